@@ -1,0 +1,1 @@
+gc_quad_decoder.vhd

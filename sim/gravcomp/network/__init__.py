@@ -1,0 +1,1 @@
+"""The network: Gamma, training, weights as CSV, formats, the bit-true model and the ROM writer."""

@@ -1,0 +1,173 @@
+"""A trained network and its folder of CSV files.
+
+y = S_o (W_o^T Gamma(W_H^T S_i x + b_H) + b_o), written out:
+x = (q - q_offset) q_scale;  h = Gamma(W x + b_H);  f = f_offset + f_scale (V h + b_o).
+"""
+
+import csv
+import hashlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gravcomp.errors import InputError
+from gravcomp.files import write_atomically
+from gravcomp.network.activation import gamma
+
+HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV = "hidden.csv", "output.csv", "scaling.csv"
+_SCALING_COLUMNS = ("q_offset_m", "q_scale_per_m", "f_offset_n", "f_scale_n")
+
+
+@dataclass(frozen=True)
+class Network:
+    """A network with one hidden layer; n inputs, h hidden neurons, and as many outputs as inputs.
+
+    hidden_weights W (h, n), hidden_bias b_H (h,), output_weights V (n, h), output_bias b_o (n,): no unit.
+    q_offset_m (n,) m, q_scale_per_m (n,) 1/m, f_offset_n (n,) N, f_scale_n (n,) N.
+    """
+
+    hidden_weights: np.ndarray
+    hidden_bias: np.ndarray
+    output_weights: np.ndarray
+    output_bias: np.ndarray
+    q_offset_m: np.ndarray
+    q_scale_per_m: np.ndarray
+    f_offset_n: np.ndarray
+    f_scale_n: np.ndarray
+
+    @property
+    def n_hidden(self) -> int:
+        return len(self.hidden_bias)
+
+    @property
+    def n_axes(self) -> int:
+        return len(self.output_bias)
+
+    def forces(self, q_m: np.ndarray, activation: Callable = gamma) -> np.ndarray:
+        """Forces f (..., n), N, at joint positions q_m (..., n), m, in floating point."""
+        x = (q_m - self.q_offset_m) * self.q_scale_per_m
+        hidden = activation(x @ self.hidden_weights.T + self.hidden_bias)
+        return self.f_offset_n + self.f_scale_n * (hidden @ self.output_weights.T + self.output_bias)
+
+
+def save_network(network: Network, folder: Path | str) -> None:
+    """Write hidden.csv, output.csv and scaling.csv, floats in full precision. Raises InputError if it cannot."""
+    folder = Path(folder)
+    neurons = range(1, network.n_hidden + 1)
+    write_atomically(
+        folder / HIDDEN_CSV,
+        _csv_text(_hidden_header(network.n_axes), np.c_[network.hidden_weights, network.hidden_bias]),
+    )
+    write_atomically(
+        folder / OUTPUT_CSV,
+        _csv_text(
+            ["axis", *(f"v_{k}" for k in neurons), "bias"], np.c_[network.output_weights, network.output_bias]
+        ),
+    )
+    scaling = np.stack([getattr(network, name) for name in _SCALING_COLUMNS], axis=1)
+    write_atomically(folder / SCALING_CSV, _csv_text(["axis", *_SCALING_COLUMNS], scaling))
+
+
+def load_network(folder: Path | str) -> Network:
+    """Read a weights folder, from whatever tool wrote it.
+
+    Raises InputError naming file, row and column when a file is missing or not CSV, a column is missing or unknown,
+    a value is not a finite number, a scale is not positive, or the numbers of rows do not fit together.
+    """
+    folder = Path(folder)
+    scaling = _read_table(folder / SCALING_CSV, ["axis", *_SCALING_COLUMNS])
+    n_axes = len(scaling)
+    hidden = _read_table(folder / HIDDEN_CSV, _hidden_header(n_axes))
+    n_hidden = len(hidden)
+    output_header = ["axis", *(f"v_{k}" for k in range(1, n_hidden + 1)), "bias"]
+    output = _read_table(folder / OUTPUT_CSV, output_header)
+    if len(output) != n_axes:
+        raise InputError(
+            f"{folder / OUTPUT_CSV}: {len(output)} rows, but {SCALING_CSV} has {n_axes} axes; give one row per axis"
+        )
+    for name in ("q_scale_per_m", "f_scale_n"):
+        column = 1 + _SCALING_COLUMNS.index(name)
+        for row in np.flatnonzero(scaling[:, column - 1] <= 0):
+            value = scaling[row, column - 1]
+            raise InputError(
+                f"{folder / SCALING_CSV}: row {row + 1}, column {name}: {value} must be positive"
+            )
+    return Network(hidden[:, :-1], hidden[:, -1], output[:, :-1], output[:, -1], *scaling.T)
+
+
+def weights_hash(folder: Path | str) -> str:
+    """SHA-256 over the three CSV files, in the order hidden, output, scaling: ties a ROM to its source."""
+    digest = hashlib.sha256()
+    for name in (HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV):
+        digest.update((Path(folder) / name).read_bytes())
+    return digest.hexdigest()
+
+
+def _hidden_header(n_axes: int) -> list[str]:
+    return ["neuron", *(f"w_q{i}" for i in range(1, n_axes + 1)), "bias"]
+
+
+def _csv_text(header: list[str], rows: np.ndarray) -> str:
+    lines = [",".join(header)]
+    lines += [
+        ",".join([str(number), *(repr(float(v)) for v in row)]) for number, row in enumerate(rows, start=1)
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _read_table(path: Path, header: list[str]) -> np.ndarray:
+    """Values of a numbered table without its first column; rows must be numbered 1, 2, 3 ..."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            lines = [line for line in csv.reader(file, strict=True) if line]
+    except FileNotFoundError:
+        raise InputError(
+            f"{path}: not found; a weights folder holds {HIDDEN_CSV}, {OUTPUT_CSV}, {SCALING_CSV}"
+        ) from None
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: not a CSV file ({error}); give comma separated text") from error
+    if not lines:
+        raise InputError(f"{path}: empty; its first line must be {','.join(header)}")
+    found = [name.strip() for name in lines[0]]
+    for name in header:
+        if name not in found:
+            raise InputError(
+                f"{path}: row 0 (header): column {name} is missing; the header must be {_short(header)}"
+            )
+    if found != header:
+        raise InputError(
+            f"{path}: row 0 (header): found {_short(found)}; the header must be {_short(header)}"
+        )
+    if len(lines) == 1:
+        raise InputError(f"{path}: no rows below the header; give one per {header[0]}")
+    values = [_read_row(path, number, line, header) for number, line in enumerate(lines[1:], start=1)]
+    return np.array(values)
+
+
+def _read_row(path: Path, number: int, line: list[str], header: list[str]) -> list[float]:
+    if len(line) != len(header):
+        raise InputError(
+            f"{path}: row {number}: {len(line)} columns instead of {len(header)}; complete the row"
+        )
+    if line[0].strip() != str(number):
+        raise InputError(
+            f"{path}: row {number}, column {header[0]}: {line[0]!r} instead of {number}; number the rows 1, 2, 3 ..."
+        )
+    return [_read_number(path, number, name, text) for name, text in zip(header[1:], line[1:], strict=True)]
+
+
+def _read_number(path: Path, row: int, column: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{path}: row {row}, column {column}: {text!r} is not a finite number; give one")
+    return value
+
+
+def _short(names: list[str]) -> str:
+    return ",".join(names if len(names) <= 8 else [*names[:3], "...", *names[-2:]])

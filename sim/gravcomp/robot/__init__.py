@@ -1,0 +1,1 @@
+"""The robot: parameters, kinematics, statics, workspace, and the MuJoCo prototype."""

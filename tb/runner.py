@@ -1,0 +1,78 @@
+"""The only caller of the simulator: compiles rtl/sources.f with GHDL and runs the cocotb tests of one entity."""
+
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from cocotb_tools.check_results import get_results
+from cocotb_tools.runner import get_runner
+
+ROOT = Path(__file__).resolve().parents[1]
+RTL = ROOT / "rtl"
+GENERATED = RTL / "generated"
+BUILD = ROOT / "build"
+
+
+def rtl_sources(generated: Path = GENERATED) -> list[Path]:
+    """The files of rtl/sources.f in compile order; generated/ may be replaced by another network's."""
+    names = (RTL / "sources.f").read_text().split()
+    return [generated / Path(name).name if name.startswith("generated/") else RTL / name for name in names]
+
+
+def simulate(
+    entity: str,
+    test_module: str,
+    *,
+    generics: Mapping[str, int] | None = None,
+    environment: Mapping[str, str] | None = None,
+    generated: Path = GENERATED,
+    extra_sources: tuple[Path, ...] = (),
+    tests: str | None = None,
+    label: str = "",
+    vcd: Path | None = None,
+) -> None:
+    """Run the cocotb tests of test_module (a module of tb/) on an entity; AssertionError when one fails or none runs.
+
+    generics are set on the entity and handed to the test as environment variables of the same name in upper case.
+    tests selects cocotb tests by regular expression; label tells apart builds that share entity and generics.
+    """
+    generics = dict(generics or {})
+    name = "-".join([test_module, label, *(f"{k}{v}" for k, v in generics.items())])
+    build_dir = BUILD / "tb" / re.sub(r"[^\w.-]", "_", name)
+    build_dir.mkdir(parents=True, exist_ok=True)
+    log = build_dir / "run.log"
+    runner = get_runner("ghdl")
+    runner.build(
+        sources=[*rtl_sources(generated), *extra_sources],
+        hdl_toplevel=entity,
+        build_args=["--std=08"],
+        build_dir=build_dir,
+        always=True,
+        log_file=build_dir / "build.log",
+    )
+    try:
+        results = runner.test(
+            hdl_toplevel=entity,
+            test_module=test_module,
+            test_args=["--std=08"],
+            parameters=generics,
+            plusargs=[f"--vcd={vcd}"] if vcd else [],
+            extra_env={
+                "PYTHONPATH": os.pathsep.join([str(ROOT / "tb"), os.environ.get("PYTHONPATH", "")]),
+                **{k.upper(): str(v) for k, v in generics.items()},
+                **(environment or {}),
+            },
+            build_dir=build_dir,
+            test_filter=tests,
+            log_file=log,
+        )
+        n_tests, n_failed = get_results(results)
+    except (SystemExit, RuntimeError) as stop:
+        raise AssertionError(f"{name}: the simulation failed ({stop})\n{_tail(log)}") from None
+    assert n_tests > 0, f"{name}: no cocotb test ran\n{_tail(log)}"
+    assert n_failed == 0, f"{name}: {n_failed} of {n_tests} cocotb tests failed\n{_tail(log)}"
+
+
+def _tail(log: Path, lines: int = 60) -> str:
+    return "\n".join(log.read_text(errors="replace").splitlines()[-lines:]) if log.exists() else "(no log)"
