@@ -19,9 +19,7 @@ class _OneLineParser(argparse.ArgumentParser):
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command; returns the exit status (0, or 2 for bad input)."""
-    parser = _OneLineParser(
-        prog="gravcomp", description="Gravity compensation of a parallel robot in an FPGA."
-    )
+    parser = _OneLineParser(prog="gravcomp", description="Gravity compensation of a parallel robot in an FPGA.")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="command")
     modules = {}
     for name in sorted(info.name for info in pkgutil.iter_modules(commands.__path__)):

@@ -63,9 +63,7 @@ def save_network(network: Network, folder: Path | str) -> None:
     )
     write_atomically(
         folder / OUTPUT_CSV,
-        _csv_text(
-            ["axis", *(f"v_{k}" for k in neurons), "bias"], np.c_[network.output_weights, network.output_bias]
-        ),
+        _csv_text(["axis", *(f"v_{k}" for k in neurons), "bias"], np.c_[network.output_weights, network.output_bias]),
     )
     scaling = np.stack([getattr(network, name) for name in _SCALING_COLUMNS], axis=1)
     write_atomically(folder / SCALING_CSV, _csv_text(["axis", *_SCALING_COLUMNS], scaling))
@@ -92,9 +90,7 @@ def load_network(folder: Path | str) -> Network:
         column = 1 + _SCALING_COLUMNS.index(name)
         for row in np.flatnonzero(scaling[:, column - 1] <= 0):
             value = scaling[row, column - 1]
-            raise InputError(
-                f"{folder / SCALING_CSV}: row {row + 1}, column {name}: {value} must be positive"
-            )
+            raise InputError(f"{folder / SCALING_CSV}: row {row + 1}, column {name}: {value} must be positive")
     return Network(hidden[:, :-1], hidden[:, -1], output[:, :-1], output[:, -1], *scaling.T)
 
 
@@ -112,9 +108,7 @@ def _hidden_header(n_axes: int) -> list[str]:
 
 def _csv_text(header: list[str], rows: np.ndarray) -> str:
     lines = [",".join(header)]
-    lines += [
-        ",".join([str(number), *(repr(float(v)) for v in row)]) for number, row in enumerate(rows, start=1)
-    ]
+    lines += [",".join([str(number), *(repr(float(v)) for v in row)]) for number, row in enumerate(rows, start=1)]
     return "\n".join(lines) + "\n"
 
 
@@ -134,13 +128,9 @@ def _read_table(path: Path, header: list[str]) -> np.ndarray:
     found = [name.strip() for name in lines[0]]
     for name in header:
         if name not in found:
-            raise InputError(
-                f"{path}: row 0 (header): column {name} is missing; the header must be {_short(header)}"
-            )
+            raise InputError(f"{path}: row 0 (header): column {name} is missing; the header must be {_short(header)}")
     if found != header:
-        raise InputError(
-            f"{path}: row 0 (header): found {_short(found)}; the header must be {_short(header)}"
-        )
+        raise InputError(f"{path}: row 0 (header): found {_short(found)}; the header must be {_short(header)}")
     if len(lines) == 1:
         raise InputError(f"{path}: no rows below the header; give one per {header[0]}")
     values = [_read_row(path, number, line, header) for number, line in enumerate(lines[1:], start=1)]
@@ -149,9 +139,7 @@ def _read_table(path: Path, header: list[str]) -> np.ndarray:
 
 def _read_row(path: Path, number: int, line: list[str], header: list[str]) -> list[float]:
     if len(line) != len(header):
-        raise InputError(
-            f"{path}: row {number}: {len(line)} columns instead of {len(header)}; complete the row"
-        )
+        raise InputError(f"{path}: row {number}: {len(line)} columns instead of {len(header)}; complete the row")
     if line[0].strip() != str(number):
         raise InputError(
             f"{path}: row {number}, column {header[0]}: {line[0]!r} instead of {number}; number the rows 1, 2, 3 ..."

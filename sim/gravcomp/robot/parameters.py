@@ -82,9 +82,7 @@ def parameters_from_table(table: dict, where: str) -> RobotParameters:
     values |= {name: _vector(table, where, *place) for name, place in _VECTORS.items()}
     norm = float(np.linalg.norm(values["gravity_direction"]))
     if norm == 0.0:
-        raise InputError(
-            f"{where}: [gravity] direction has zero length; give the direction in which things fall"
-        )
+        raise InputError(f"{where}: [gravity] direction has zero length; give the direction in which things fall")
     values["gravity_direction"] = values["gravity_direction"] / norm
     return RobotParameters(**values)
 
@@ -107,9 +105,7 @@ def _scalar(table: dict, where: str, name: str, section: str, key: str) -> float
 
 def _vector(table: dict, where: str, section: str, key: str) -> np.ndarray:
     value = _entry(table, where, section, key)
-    is_numbers = isinstance(value, list) and all(
-        isinstance(v, (int, float)) and not isinstance(v, bool) for v in value
-    )
+    is_numbers = isinstance(value, list) and all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in value)
     if not is_numbers or len(value) != 3 or not np.all(np.isfinite(value)):
         raise InputError(f"{where}: [{section}] {key} = {value!r} is not three finite numbers; give three")
     return np.array(value, dtype=float)

@@ -70,8 +70,6 @@ def forces_from_axes(axes: np.ndarray, p: RobotParameters, sqrt=np.sqrt) -> np.n
 
 def _solve_transposed(rows: np.ndarray, rhs: np.ndarray) -> np.ndarray:
     """Solve sum_i f_i rows_i = rhs: f_i = rhs . (rows_j x rows_k) / det."""
-    cofactors = np.stack(
-        [np.cross(rows[..., (i + 1) % 3, :], rows[..., (i + 2) % 3, :]) for i in range(3)], axis=-2
-    )
+    cofactors = np.stack([np.cross(rows[..., (i + 1) % 3, :], rows[..., (i + 2) % 3, :]) for i in range(3)], axis=-2)
     determinant = (rows[..., 0, :] * cofactors[..., 0, :]).sum(axis=-1)
     return (cofactors * rhs[..., None, :]).sum(axis=-1) / determinant[..., None]
