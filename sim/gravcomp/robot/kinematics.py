@@ -46,9 +46,17 @@ def direct_kinematics(q_m: np.ndarray, p: RobotParameters) -> np.ndarray:
     if q_m.shape[-1:] != (3,):
         raise PoseError(f"joint positions have shape {q_m.shape}; give (..., 3)")
     _refuse(~np.isfinite(q_m).all(axis=-1), "is not a number; give finite joint positions in m")
-    squares = (1.0 + (q_m / p.d_m) @ _SIGNS.T) / 4.0
+    squares = quaternion_squares(q_m, p)
     _refuse_singular(squares.min(axis=-1))
     return axes_from_squares(squares) @ HOME_AXES.T
+
+
+def quaternion_squares(q_m: np.ndarray, p: RobotParameters) -> np.ndarray:
+    """Squares (w^2, x^2, y^2, z^2) of the quaternion of M = R U0: barycentric coordinates of q, all positive inside.
+
+    q_m: (..., 3), m, any number type. Returns (..., 4); no checks.
+    """
+    return (1.0 + (q_m / p.d_m) @ _SIGNS.T) / 4.0
 
 
 def axes_from_squares(squares: np.ndarray) -> np.ndarray:
@@ -98,14 +106,14 @@ def jacobian(rotation: np.ndarray, p: RobotParameters) -> np.ndarray:
     return np.cross(points, np.eye(3))
 
 
-def link_axes(points_m: np.ndarray, sqrt=np.sqrt) -> tuple[np.ndarray, np.ndarray]:
+def link_axes(points_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Length b_i and direction w_i of link 2 from the universal joints P_i.
 
     b_i = |P_i - q_i e_i|, w_i = (P_i - q_i e_i)/b_i. points_m: (..., 3, 3), row i is P_i, m.
     Returns b (..., 3), m, and w (..., 3, 3), row i is w_i.
     """
     across = points_m * (1.0 - np.eye(3))
-    b = sqrt((across * across).sum(axis=-1))
+    b = np.sqrt((across * across).sum(axis=-1))
     return b, across / b[..., None]
 
 

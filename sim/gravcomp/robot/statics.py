@@ -43,7 +43,7 @@ def holding_forces_at(q_m: np.ndarray, p: RobotParameters) -> np.ndarray:
     return holding_forces(direct_kinematics(q_m, p), p)
 
 
-def forces_from_axes(axes: np.ndarray, p: RobotParameters, sqrt=np.sqrt) -> np.ndarray:
+def forces_from_axes(axes: np.ndarray, p: RobotParameters) -> np.ndarray:
     """Holding forces from the directions R u_i (columns of axes, (..., 3, 3)); no checks, any number type.
 
     With P_i = d R u_i, t_i = e_i x w_i and a = -g:
@@ -53,7 +53,7 @@ def forces_from_axes(axes: np.ndarray, p: RobotParameters, sqrt=np.sqrt) -> np.n
     """
     lift = -p.gravity_mps2
     points = p.d_m * np.swapaxes(axes, -1, -2)
-    b, w = link_axes(points, sqrt)
+    b, w = link_axes(points)
     t = np.cross(np.eye(3), w)
     rows = np.cross(points, np.eye(3))  # the Jacobian
     swing = (p.link1_mass_kg * p.link1_com_m - p.link2_mass_kg * p.link2_com_m) * (t * lift).sum(axis=-1) / b
@@ -71,5 +71,5 @@ def forces_from_axes(axes: np.ndarray, p: RobotParameters, sqrt=np.sqrt) -> np.n
 def _solve_transposed(rows: np.ndarray, rhs: np.ndarray) -> np.ndarray:
     """Solve sum_i f_i rows_i = rhs: f_i = rhs . (rows_j x rows_k) / det."""
     cofactors = np.stack([np.cross(rows[..., (i + 1) % 3, :], rows[..., (i + 2) % 3, :]) for i in range(3)], axis=-2)
-    determinant = (rows[..., 0, :] * cofactors[..., 0, :]).sum(axis=-1)
-    return (cofactors * rhs[..., None, :]).sum(axis=-1) / determinant[..., None]
+    determinant = (rows[..., 0, :] * cofactors[..., 0, :]).sum(axis=-1, keepdims=True)
+    return (cofactors * rhs[..., None, :]).sum(axis=-1) / determinant
