@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gravcomp.errors import InputError
-from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
+from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters, parameters_from_table
 
 NOMINAL = NOMINAL_TOML.read_text()
 
@@ -23,7 +23,6 @@ def test_nominal_file_holds_the_designs_values():
     [
         ("d_m = 0.25 ", "", "[geometry] d_m is missing"),
         ("[carriage]", "[carrige]", "[carriage] mass_kg is missing"),
-        ("[carriage]", "carriage = 1\n[other]", "[carriage] mass_kg is missing"),
         ("d_m = 0.25 ", 'd_m = "0.25" ', "[geometry] d_m = '0.25' is not a finite number"),
         ("d_m = 0.25 ", "d_m = nan ", "[geometry] d_m = nan is not a finite number"),
         ("d_m = 0.25 ", "d_m = true ", "[geometry] d_m = True is not a finite number"),
@@ -46,6 +45,11 @@ def test_wrong_file_is_refused_by_file_table_and_key(tmp_path, old, new, said):
     assert message.startswith(str(path))
     assert said in message
     assert "\n" not in message
+
+
+def test_value_where_a_table_belongs_is_refused():
+    with pytest.raises(InputError, match=r"^here: \[geometry\] d_m is missing"):
+        parameters_from_table({"geometry": 1}, "here")
 
 
 def test_unreadable_file_is_refused_by_name(tmp_path):
