@@ -1,0 +1,182 @@
+-- SPDX-License-Identifier: MIT
+--
+-- f = S_o (W_o^T Gamma(W_H^T S_i count + b_H) + b_o): encoder counts in, holding forces out.
+--
+-- lanes_g neurons per clock; 166 multiplications and 43 sums per inference at hidden size 20 and three axes.
+-- Formats: 32-bit counts -> 24 bits, mN. Initiation interval: hidden_c / lanes_g clocks (in_ready); latency from
+-- accepted counts to forces: 14 + ceil(log2(inputs_c + 1)) + ceil(log2(lanes_g)) + hidden_c / lanes_g clocks; with one
+-- lane inputs_c + outputs_c more, as its scalers share a multiplier each.
+-- Overflow: no intermediate can, for any count. Illegal input: counts outside the trained range are clamped and
+-- flagged; an output that does not fit saturates and is flagged.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_fixed_pkg.all;
+  use work.gc_network_pkg.all;
+
+entity gc_core is
+  generic (
+    -- Neurons per clock; must divide the hidden size.
+    lanes_g : positive := 4
+  );
+  port (
+    clk           : in    std_ulogic;
+    -- Synchronous, active high; forgets what is under way.
+    rst           : in    std_ulogic;
+    -- Counts are taken in a clock with in_valid and in_ready.
+    in_valid      : in    std_ulogic;
+    in_ready      : out   std_ulogic;
+    -- Encoder counts, axis 1 lowest.
+    in_count      : in    signed(inputs_c * count_bits_c - 1 downto 0);
+    -- One clock per result.
+    out_valid     : out   std_ulogic;
+    -- Holding forces, mN, axis 1 lowest.
+    out_force     : out   signed(outputs_c * force_bits_c - 1 downto 0);
+    -- Count of this axis was outside the trained range.
+    out_clamped   : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Output of this axis saturated.
+    out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0)
+  );
+end entity gc_core;
+
+architecture rtl of gc_core is
+
+  constant steps_c : positive := hidden_c / lanes_g;
+  -- With 20 clocks per inference one multiplier per scaler is enough.
+  constant serial_c : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
+  -- From x to force: lane, activation, output layer, output scaler.
+  constant delay_c : positive := (3 + tree_depth(inputs_c + 1)) + 3 + (steps_c - 1 + 3 + tree_depth(lanes_g))
+                                 + (1 + scale_latency(outputs_c, serial_c));
+
+  signal wait_clocks : natural range 0 to steps_c - 1 := 0;
+  signal accept      : std_ulogic;
+  signal x_valid     : std_ulogic;
+  signal x           : signed(inputs_c * operand_bits_c - 1 downto 0);
+  signal x_clamped   : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal step        : natural range 0 to steps_c - 1 := 0;
+  signal lane_valid  : std_ulogic;
+  signal h_valid     : std_ulogic_vector(lanes_g - 1 downto 0);
+  signal h           : signed(lanes_g * operand_bits_c - 1 downto 0);
+  signal total_valid : std_ulogic;
+  signal total       : signed(outputs_c * output_sum_bits_c - 1 downto 0);
+
+begin
+
+  assert hidden_c mod lanes_g = 0
+    report "gc_core: need lanes_g that divides " & integer'image(hidden_c) & " neurons, got " & integer'image(lanes_g)
+    severity failure;
+
+  in_ready <= '1' when wait_clocks = 0 else '0';
+  accept   <= '1' when in_valid = '1' and wait_clocks = 0 else '0';
+
+  -- One inference per steps_c clocks at the input, steps_c clocks of the lanes for each x.
+  p_sequence : process (clk) is
+  begin
+    if rising_edge(clk) then
+      if accept = '1' then
+        wait_clocks <= steps_c - 1;
+      elsif wait_clocks > 0 then
+        wait_clocks <= wait_clocks - 1;
+      end if;
+      if step = steps_c - 1 then
+        step <= 0;
+      elsif lane_valid = '1' then
+        step <= step + 1;
+      end if;
+      if rst = '1' then
+        wait_clocks <= 0;
+        step        <= 0;
+      end if;
+    end if;
+  end process p_sequence;
+
+  i_input_scaler : entity work.gc_input_scaler
+    generic map (
+      serial_g => serial_c
+    )
+    port map (
+      clk         => clk,
+      rst         => rst,
+      in_valid    => accept,
+      in_count    => in_count,
+      out_valid   => x_valid,
+      out_x       => x,
+      out_clamped => x_clamped
+    );
+
+  lane_valid <= '1' when x_valid = '1' or step > 0 else '0';
+
+  g_lane : for lane in 0 to lanes_g - 1 generate
+    signal a_valid : std_ulogic;
+    signal a       : operand_t;
+  begin
+
+    i_hidden_lane : entity work.gc_hidden_lane
+      generic map (
+        lanes_g => lanes_g,
+        lane_g  => lane
+      )
+      port map (
+        clk       => clk,
+        rst       => rst,
+        in_valid  => lane_valid,
+        in_x      => x,
+        out_valid => a_valid,
+        out_a     => a
+      );
+
+    i_activation : entity work.gc_activation
+      port map (
+        clk       => clk,
+        rst       => rst,
+        in_valid  => a_valid,
+        in_a      => a,
+        out_valid => h_valid(lane),
+        out_h     => h((lane + 1) * operand_bits_c - 1 downto lane * operand_bits_c)
+      );
+
+  end generate g_lane;
+
+  i_output_layer : entity work.gc_output_layer
+    generic map (
+      lanes_g => lanes_g
+    )
+    port map (
+      clk       => clk,
+      rst       => rst,
+      in_valid  => h_valid(0),
+      in_h      => h,
+      out_valid => total_valid,
+      out_total => total
+    );
+
+  i_output_scaler : entity work.gc_output_scaler
+    generic map (
+      serial_g => serial_c
+    )
+    port map (
+      clk           => clk,
+      rst           => rst,
+      in_valid      => total_valid,
+      in_total      => total,
+      out_valid     => out_valid,
+      out_force     => out_force,
+      out_saturated => out_saturated
+    );
+
+  -- The flags of the input travel beside the data.
+  i_clamped : entity work.gc_delay
+    generic map (
+      bits_g   => inputs_c,
+      clocks_g => delay_c
+    )
+    port map (
+      clk      => clk,
+      in_data  => x_clamped,
+      out_data => out_clamped
+    );
+
+end architecture rtl;

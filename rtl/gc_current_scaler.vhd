@@ -1,0 +1,86 @@
+-- SPDX-License-Identifier: MIT
+--
+-- i = f / K_t: forces to motor currents, by one multiplication and rounding.
+--
+-- Formats: 24 bits, mN -> 32 bits, uA. Latency: 3 clocks. Overflow: cannot happen.
+-- Not part of the network's budget of operations.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_fixed_pkg.all;
+  use work.gc_network_pkg.all;
+
+entity gc_current_scaler is
+  port (
+    clk         : in    std_ulogic;
+    -- Synchronous, active high; clears the valid bits.
+    rst         : in    std_ulogic;
+    in_valid    : in    std_ulogic;
+    -- Forces, mN, axis 1 lowest.
+    in_force    : in    signed(outputs_c * force_bits_c - 1 downto 0);
+    out_valid   : out   std_ulogic;
+    -- Motor currents, uA, axis 1 lowest.
+    out_current : out   signed(outputs_c * current_bits_c - 1 downto 0)
+  );
+end entity gc_current_scaler;
+
+architecture rtl of gc_current_scaler is
+
+  constant product_bits_c : positive := force_bits_c + operand_bits_c;
+  constant factor_c       : operand_t := to_signed(current_scale_c, operand_bits_c);
+  constant half_c         : signed(product_bits_c - 1 downto 0) := to_signed(2 ** (current_scale_fraction_c - 1),
+                                                                             product_bits_c);
+
+  signal valid_2 : std_ulogic_vector(outputs_c - 1 downto 0);
+  signal valid_3 : std_ulogic := '0';
+
+begin
+
+  g_axis : for i in 0 to outputs_c - 1 generate
+    signal product_2 : signed(product_bits_c - 1 downto 0);
+    signal current_3 : signed(current_bits_c - 1 downto 0);
+  begin
+
+    -- stages 1 and 2: multiply
+    i_multiply : entity work.gc_multiply
+      generic map (
+        a_bits_g => force_bits_c,
+        b_bits_g => operand_bits_c
+      )
+      port map (
+        clk         => clk,
+        rst         => rst,
+        in_valid    => in_valid,
+        in_a        => in_force((i + 1) * force_bits_c - 1 downto i * force_bits_c),
+        in_b        => factor_c,
+        out_valid   => valid_2(i),
+        out_product => product_2
+      );
+
+    -- stage 3: round
+    p_round : process (clk) is
+    begin
+      if rising_edge(clk) then
+        current_3 <= truncate(product_2 + half_c, current_scale_fraction_c, current_bits_c);
+      end if;
+    end process p_round;
+
+    out_current((i + 1) * current_bits_c - 1 downto i * current_bits_c) <= current_3;
+  end generate g_axis;
+
+  p_valid : process (clk) is
+  begin
+    if rising_edge(clk) then
+      valid_3 <= valid_2(0);
+      if rst = '1' then
+        valid_3 <= '0';
+      end if;
+    end if;
+  end process p_valid;
+
+  out_valid <= valid_3;
+
+end architecture rtl;

@@ -1,0 +1,160 @@
+-- SPDX-License-Identifier: MIT
+--
+-- total = V h + b: output products of lanes_g neurons per clock, an adder tree over the lanes, one accumulator per
+-- output that starts from the bias.
+--
+-- In_valid comes hidden_c / lanes_g times per inference, neurons in the order of gc_hidden_lane.
+-- Formats: 18 bits, hidden_fraction_c -> output_sum_bits_c, full precision. Latency from the last in_valid of an
+-- inference: 3 + ceil(log2(lanes_g)) clocks; out_total holds until the next accumulation. Overflow: cannot happen,
+-- output_sum_bits_c holds every partial sum.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_fixed_pkg.all;
+  use work.gc_network_pkg.all;
+
+entity gc_output_layer is
+  generic (
+    -- Neurons per clock.
+    lanes_g : positive := 1
+  );
+  port (
+    clk       : in    std_ulogic;
+    -- Synchronous, active high; clears valid and state.
+    rst       : in    std_ulogic;
+    in_valid  : in    std_ulogic;
+    -- Activations, lane 0 lowest.
+    in_h      : in    signed(lanes_g * operand_bits_c - 1 downto 0);
+    out_valid : out   std_ulogic;
+    -- Output sums, axis 1 lowest.
+    out_total : out   signed(outputs_c * output_sum_bits_c - 1 downto 0)
+  );
+end entity gc_output_layer;
+
+architecture rtl of gc_output_layer is
+
+  constant steps_c        : positive := hidden_c / lanes_g;
+  constant sum_bits_c     : positive := output_sum_bits_c;
+  constant product_bits_c : positive := 2 * operand_bits_c;
+
+  signal valid_2   : std_ulogic_vector(lanes_g * outputs_c - 1 downto 0);
+  -- Output-major: the terms of one output are neighbours.
+  signal terms_2   : signed(outputs_c * lanes_g * sum_bits_c - 1 downto 0);
+  signal tree      : signed(outputs_c * sum_bits_c - 1 downto 0);
+  signal tree_valid : std_ulogic_vector(outputs_c - 1 downto 0);
+  signal step      : natural range 0 to steps_c - 1 := 0;
+  signal valid_acc : std_ulogic := '0';
+  signal acc       : signed(outputs_c * sum_bits_c - 1 downto 0);
+
+begin
+
+  -- stages 1 and 2: multiply
+  g_lane : for lane in 0 to lanes_g - 1 generate
+    signal word : std_ulogic_vector(output_word_bits_c - 1 downto 0);
+  begin
+
+    i_rom : entity work.gc_weight_rom
+      generic map (
+        word_bits_g => output_word_bits_c,
+        words_g     => hidden_c,
+        lanes_g     => lanes_g,
+        lane_g      => lane,
+        table_g     => flat(output_words_c)
+      )
+      port map (
+        clk      => clk,
+        rst      => rst,
+        in_valid => in_valid,
+        out_word => word
+      );
+
+    g_output : for k in 0 to outputs_c - 1 generate
+      constant term_c : natural := k * lanes_g + lane;
+      signal product_2 : signed(product_bits_c - 1 downto 0);
+    begin
+
+      i_multiply : entity work.gc_multiply
+        generic map (
+          a_bits_g => operand_bits_c,
+          b_bits_g => operand_bits_c
+        )
+        port map (
+          clk         => clk,
+          rst         => rst,
+          in_valid    => in_valid,
+          in_a        => in_h((lane + 1) * operand_bits_c - 1 downto lane * operand_bits_c),
+          in_b        => signed(word((k + 1) * operand_bits_c - 1 downto k * operand_bits_c)),
+          out_valid   => valid_2(term_c),
+          out_product => product_2
+        );
+
+      terms_2((term_c + 1) * sum_bits_c - 1 downto term_c * sum_bits_c) <= resize(product_2, sum_bits_c);
+    end generate g_output;
+
+  end generate g_lane;
+
+  -- one stage per level: sum over the lanes
+  g_tree : for k in 0 to outputs_c - 1 generate
+
+    i_tree : entity work.gc_adder_tree
+      generic map (
+        terms_g => lanes_g,
+        bits_g  => sum_bits_c
+      )
+      port map (
+        clk       => clk,
+        rst       => rst,
+        in_valid  => valid_2(0),
+        in_terms  => terms_2((k + 1) * lanes_g * sum_bits_c - 1 downto k * lanes_g * sum_bits_c),
+        out_valid => tree_valid(k),
+        out_sum   => tree((k + 1) * sum_bits_c - 1 downto k * sum_bits_c)
+      );
+
+  end generate g_tree;
+
+  -- last stage: accumulate, from the bias
+  g_accumulate : for k in 0 to outputs_c - 1 generate
+
+    p_accumulate : process (clk) is
+      variable sum_v : signed(sum_bits_c - 1 downto 0);
+    begin
+      if rising_edge(clk) then
+        if tree_valid(0) = '1' then
+          sum_v := acc((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
+          if step = 0 then
+            sum_v := output_bias_c((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
+          end if;
+          acc((k + 1) * sum_bits_c - 1 downto k * sum_bits_c)
+            <= sum_v + tree((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
+        end if;
+      end if;
+    end process p_accumulate;
+
+  end generate g_accumulate;
+
+  p_step : process (clk) is
+  begin
+    if rising_edge(clk) then
+      valid_acc <= '0';
+      if tree_valid(0) = '1' then
+        if step = steps_c - 1 then
+          step      <= 0;
+          valid_acc <= '1';
+        else
+          step <= step + 1;
+        end if;
+      end if;
+      if rst = '1' then
+        step      <= 0;
+        valid_acc <= '0';
+      end if;
+    end if;
+  end process p_step;
+
+  out_valid <= valid_acc;
+  out_total <= acc;
+
+end architecture rtl;

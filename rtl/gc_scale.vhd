@@ -1,0 +1,147 @@
+-- SPDX-License-Identifier: MIT
+--
+-- out_products(i) = in_values(i) * factors(i) for n values: with n multipliers at once, or with one, in turn.
+--
+-- in_values must hold until the next in_valid; out_products then hold from out_valid to out_valid.
+-- Formats: 18 x 18 -> 36 bits, value 0 lowest in the vectors. Latency: 2 clocks; with one multiplier values_g + 2, and
+-- in_valid must then stay values_g clocks apart. Overflow: cannot happen.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_fixed_pkg.all;
+
+entity gc_scale is
+  generic (
+    -- Number of values.
+    values_g  : positive := 3;
+    -- One multiplier for all values, in turn.
+    serial_g  : boolean  := false;
+    -- The factors, 18 bits each, factor 0 lowest.
+    factors_g : signed
+  );
+  port (
+    clk          : in    std_ulogic;
+    -- Synchronous, active high; clears valid and state.
+    rst          : in    std_ulogic;
+    in_valid     : in    std_ulogic;
+    in_values    : in    signed(values_g * operand_bits_c - 1 downto 0);
+    out_valid    : out   std_ulogic;
+    out_products : out   signed(values_g * 2 * operand_bits_c - 1 downto 0)
+  );
+end entity gc_scale;
+
+architecture rtl of gc_scale is
+
+  constant product_bits_c : positive := 2 * operand_bits_c;
+  constant factors_c      : signed(values_g * operand_bits_c - 1 downto 0) := factors_g;
+
+begin
+
+  g_parallel : if values_g = 1 or not serial_g generate
+    signal valid : std_ulogic_vector(values_g - 1 downto 0);
+  begin
+
+    g_value : for i in 0 to values_g - 1 generate
+
+      i_multiply : entity work.gc_multiply
+        generic map (
+          a_bits_g => operand_bits_c,
+          b_bits_g => operand_bits_c
+        )
+        port map (
+          clk         => clk,
+          rst         => rst,
+          in_valid    => in_valid,
+          in_a        => in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
+          in_b        => factors_c((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
+          out_valid   => valid(i),
+          out_product => out_products((i + 1) * product_bits_c - 1 downto i * product_bits_c)
+        );
+
+    end generate g_value;
+
+    out_valid <= valid(0);
+  end generate g_parallel;
+
+  g_serial : if values_g > 1 and serial_g generate
+    constant last_c : positive := values_g - 1;
+
+    -- The value that goes in, and whether one after the first does.
+    signal turn          : natural range 0 to last_c := 0;
+    signal value         : operand_t;
+    signal factor        : operand_t;
+    signal value_valid   : std_ulogic;
+    signal product       : signed(product_bits_c - 1 downto 0);
+    signal product_valid : std_ulogic;
+    -- Products that have come; the ones before the last wait for it.
+    signal arrived       : natural range 0 to last_c := 0;
+    signal waiting       : signed(last_c * product_bits_c - 1 downto 0);
+    signal products      : signed(values_g * product_bits_c - 1 downto 0);
+    signal valid         : std_ulogic := '0';
+  begin
+
+    value_valid <= '1' when in_valid = '1' or turn > 0 else '0';
+
+    -- A loop of constant slices: no synthesis tool stumbles over it.
+    p_select : process (all) is
+    begin
+      value  <= in_values(operand_bits_c - 1 downto 0);
+      factor <= factors_c(operand_bits_c - 1 downto 0);
+      for i in 1 to last_c loop
+        if turn = i then
+          value  <= in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
+          factor <= factors_c((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
+        end if;
+      end loop;
+    end process p_select;
+
+    i_multiply : entity work.gc_multiply
+      generic map (
+        a_bits_g => operand_bits_c,
+        b_bits_g => operand_bits_c
+      )
+      port map (
+        clk         => clk,
+        rst         => rst,
+        in_valid    => value_valid,
+        in_a        => value,
+        in_b        => factor,
+        out_valid   => product_valid,
+        out_product => product
+      );
+
+    p_collect : process (clk) is
+    begin
+      if rising_edge(clk) then
+        if turn = last_c then
+          turn <= 0;
+        elsif value_valid = '1' then
+          turn <= turn + 1;
+        end if;
+        valid <= '0';
+        if product_valid = '1' then
+          if arrived = last_c then
+            arrived  <= 0;
+            products <= product & waiting;
+            valid    <= '1';
+          else
+            arrived <= arrived + 1;
+            waiting <= product & waiting(waiting'high downto product_bits_c);
+          end if;
+        end if;
+        if rst = '1' then
+          turn    <= 0;
+          arrived <= 0;
+          valid   <= '0';
+        end if;
+      end if;
+    end process p_collect;
+
+    out_valid    <= valid;
+    out_products <= products;
+  end generate g_serial;
+
+end architecture rtl;

@@ -1,0 +1,97 @@
+-- SPDX-License-Identifier: MIT
+--
+-- The weights of one lane, one word per neuron: out_word is word 0 until in_valid, then the next one, and after the
+-- last word of the lane word 0 again. The word of a neuron thus stands ready beside its data without a wait.
+--
+-- Lane l of lanes_g holds the words l, l + lanes_g, l + 2 lanes_g ... of the table. Latency: word k + 1 is there one
+-- clock after the k-th in_valid.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_fixed_pkg.all;
+
+entity gc_weight_rom is
+  generic (
+    -- Width of a word, bits.
+    word_bits_g : positive := 18;
+    -- Words of the table, over all lanes.
+    words_g     : positive := 20;
+    -- Lanes, and which of them this is.
+    lanes_g     : positive := 1;
+    lane_g      : natural  := 0;
+    -- The table, word 0 lowest.
+    table_g     : std_ulogic_vector
+  );
+  port (
+    clk      : in    std_ulogic;
+    -- Synchronous, active high; back to word 0.
+    rst      : in    std_ulogic;
+    in_valid : in    std_ulogic;
+    out_word : out   std_ulogic_vector(word_bits_g - 1 downto 0)
+  );
+end entity gc_weight_rom;
+
+architecture rtl of gc_weight_rom is
+
+  constant steps_c : positive := words_g / lanes_g;
+  -- A power of two: an address never points outside.
+  constant depth_c : positive := 2 ** tree_depth(steps_c);
+
+  subtype word_t is std_ulogic_vector(word_bits_g - 1 downto 0);
+
+  type words_t is array (0 to depth_c - 1) of word_t;
+
+  function lane_words return words_t is
+    alias table_a : std_ulogic_vector(table_g'length - 1 downto 0) is table_g;
+    variable words_v : words_t := (others => (others => '0'));
+    variable low_v   : natural;
+  begin
+    for k in 0 to steps_c - 1 loop
+      low_v      := (k * lanes_g + lane_g) * word_bits_g;
+      words_v(k) := table_a(low_v + word_bits_g - 1 downto low_v);
+    end loop;
+    return words_v;
+  end function lane_words;
+
+  constant rom_c : words_t := lane_words;
+
+begin
+
+  assert table_g'length = words_g * word_bits_g and words_g mod lanes_g = 0 and lane_g < lanes_g
+    report "gc_weight_rom: need " & integer'image(words_g * word_bits_g) & " table bits and lanes that divide "
+           & integer'image(words_g) & " words, got " & integer'image(table_g'length) & " bits and lane "
+           & integer'image(lane_g) & " of " & integer'image(lanes_g)
+    severity failure;
+
+  g_constant : if steps_c = 1 generate
+    out_word <= rom_c(0);
+  end generate g_constant;
+
+  g_rom : if steps_c > 1 generate
+    signal address : natural range 0 to depth_c - 1 := 0;
+    signal word    : word_t                         := rom_c(0);
+  begin
+
+    p_rom : process (clk) is
+      variable next_v : natural range 0 to depth_c;
+    begin
+      if rising_edge(clk) then
+        next_v := address;
+        if in_valid = '1' then
+          next_v := address + 1;
+        end if;
+        if rst = '1' or next_v = steps_c then
+          next_v := 0;
+        end if;
+        address <= next_v;
+        word    <= rom_c(next_v);
+      end if;
+    end process p_rom;
+
+    out_word <= word;
+  end generate g_rom;
+
+end architecture rtl;

@@ -1,0 +1,37 @@
+"""Integer codes to and from packed ports: value 0 lowest, two's complement."""
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from gravcomp.network.quantise import FixedNetwork, quantise
+from gravcomp.network.weights import load_network
+from gravcomp.robot.parameters import load_parameters
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def fixed_network() -> FixedNetwork:
+    """The network that the ROM under test was made from: weights/spheiro, or the folder in WEIGHTS."""
+    return quantise(load_network(os.environ.get("WEIGHTS", ROOT / "weights" / "spheiro")), load_parameters())
+
+
+def pack(values: Iterable[int], bits: int) -> int:
+    """Unsigned integer that holds the values side by side, value 0 lowest."""
+    return sum((int(value) & (1 << bits) - 1) << bits * i for i, value in enumerate(values))
+
+
+def unpack(packed: Iterable[int], bits: int, n_values: int) -> np.ndarray:
+    """Signed values (k, n_values) of k packed integers: the inverse of pack."""
+    sign, mask = 1 << bits - 1, (1 << bits) - 1
+    return np.array([[((word >> bits * i & mask) ^ sign) - sign for i in range(n_values)] for word in packed])
+
+
+def corners_and_random(bits: int, shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
+    """Signed codes (..., n): uniform, with one in four replaced by a corner of the format (extremes, 0, +-1)."""
+    low, high = -(1 << bits - 1), (1 << bits - 1) - 1
+    values = rng.integers(low, high, shape, endpoint=True)
+    corners = rng.choice([low, low + 1, -1, 0, 1, high - 1, high], shape)
+    return np.where(rng.random(shape) < 0.25, corners, values)

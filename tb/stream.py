@@ -1,0 +1,73 @@
+"""Drives an entity with in_valid/out_valid ports and records what comes out, and when."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge
+
+
+@dataclass
+class Recording:
+    """Clocks (0-based) in which inputs were accepted and outputs valid, and the outputs as unsigned integers."""
+
+    accepted: list[int] = field(default_factory=list)
+    valid: list[int] = field(default_factory=list)
+    outputs: dict[str, list[int]] = field(default_factory=dict)
+
+
+async def start(dut) -> None:
+    """Start a 10 ns clock and hold reset for three clocks. Signals are driven and read on falling edges."""
+    Clock(dut.clk, 10, "ns").start(start_high=False)
+    dut.rst.value = 1
+    dut.in_valid.value = 0
+    for _ in range(3):
+        await FallingEdge(dut.clk)
+    dut.rst.value = 0
+
+
+async def stream(
+    dut,
+    inputs: Sequence[Mapping[str, int]],
+    outputs: Sequence[str],
+    *,
+    spacing: int = 1,
+    gap_probability: float = 0.0,
+    rng: np.random.Generator | None = None,
+    flush_clocks: int = 64,
+) -> Recording:
+    """Offer the inputs in order, spacing or more clocks apart, with random gaps; record until flush_clocks after the last.
+
+    Honours in_ready where the entity has one. An output clock is one in which out_valid was high, an input clock the
+    one at whose end the entity takes the input.
+    """
+    recording = Recording(outputs={name: [] for name in outputs})
+    has_ready = hasattr(dut, "in_ready")
+    handles = [(recording.outputs[name], getattr(dut, name)) for name in outputs]
+    clock, idle, position, next_free = 0, 0, 0, 0
+    while idle < flush_clocks:
+        if dut.out_valid.value == 1:
+            recording.valid.append(clock)
+            for values, handle in handles:
+                values.append(int(handle.value))
+        offers = (
+            position < len(inputs) and clock >= next_free and not (gap_probability and rng.random() < gap_probability)
+        )
+        dut.in_valid.value = int(offers)
+        if offers:
+            for name, value in inputs[position].items():
+                getattr(dut, name).value = value
+            if not has_ready or dut.in_ready.value == 1:
+                recording.accepted.append(clock)
+                position += 1
+                next_free = clock + spacing
+        idle = idle + 1 if position == len(inputs) else 0
+        clock += 1
+        await FallingEdge(dut.clk)
+    return recording
+
+
+def latencies(recording: Recording) -> set[int]:
+    """Clocks from each accepted input to its output."""
+    return {out - taken for taken, out in zip(recording.accepted, recording.valid, strict=True)}

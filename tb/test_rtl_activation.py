@@ -1,0 +1,26 @@
+"""gc_activation: Gamma, bit-true for every input code."""
+
+import cocotb
+import numpy as np
+import pytest
+
+from codes import pack, unpack
+from gravcomp.network.bittrue import activation
+from gravcomp.network.quantise import OPERAND_BITS
+from runner import simulate
+from stream import latencies, start, stream
+
+CODES = np.arange(-(2 ** (OPERAND_BITS - 1)), 2 ** (OPERAND_BITS - 1))
+
+
+@cocotb.test()
+async def every_code(dut):
+    await start(dut)
+    got = await stream(dut, [{"in_a": pack([a], OPERAND_BITS)} for a in CODES], ["out_h"])
+    np.testing.assert_array_equal(unpack(got.outputs["out_h"], OPERAND_BITS, 1)[:, 0], activation(CODES))
+    assert latencies(got) == {3}
+
+
+@pytest.mark.slow
+def test_activation_equals_model_for_every_code():
+    simulate("gc_activation", "test_rtl_activation")

@@ -1,0 +1,30 @@
+"""gc_adder_tree: the exact n-ary sum, a clock per level. One term is no adder: gc_output_layer with one lane has it."""
+
+import os
+
+import cocotb
+import numpy as np
+import pytest
+
+from codes import corners_and_random, pack, unpack
+from runner import simulate
+from stream import latencies, start, stream
+
+BITS = 24
+
+
+@cocotb.test()
+async def sum_is_exact(dut):
+    n_terms = int(os.environ["TERMS_G"])
+    rng = np.random.default_rng(2)
+    # Terms of five bits less: no partial sum of up to 32 terms overflows.
+    terms = corners_and_random(BITS - 5, (300, n_terms), rng)
+    await start(dut)
+    got = await stream(dut, [{"in_terms": pack(row, BITS)} for row in terms], ["out_sum"], gap_probability=0.3, rng=rng)
+    np.testing.assert_array_equal(unpack(got.outputs["out_sum"], BITS, 1)[:, 0], terms.sum(axis=1))
+    assert latencies(got) == {int(np.ceil(np.log2(n_terms)))}
+
+
+@pytest.mark.parametrize("n_terms", [2, 3, 4, 5, 20])
+def test_adder_tree_equals_exact_sum(n_terms):
+    simulate("gc_adder_tree", "test_rtl_adder_tree", generics={"terms_g": n_terms, "bits_g": BITS})

@@ -1,0 +1,95 @@
+"""gc_core at every lanes_g: forces and flags equal the bit-true model; interval, latency, stalls, reset in mid-stream."""
+
+import os
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import FallingEdge
+from codes import corners_and_random, fixed_network, pack, unpack
+from runner import simulate
+from stream import latencies, start, stream
+
+from gravcomp.network import bittrue
+from gravcomp.network.quantise import COUNT_BITS, FORCE_BITS
+
+LANES = [1, 2, 4, 5, 10, 20]
+OUTPUTS = ["out_force", "out_clamped", "out_saturated"]
+
+
+def draw_counts(n_poses: int, rng: np.random.Generator) -> np.ndarray:
+    """Counts over the trained range, one in eight a corner of 32 bits or of the range."""
+    fixed = fixed_network()
+    shape = (n_poses, fixed.n_axes)
+    counts = rng.integers(fixed.count_low, fixed.count_high, shape, endpoint=True)
+    edges = rng.choice(
+        np.concatenate([fixed.count_low + k for k in (-1, 0)] + [fixed.count_high + k for k in (0, 1)]), shape
+    )
+    odd = np.where(rng.random(shape) < 0.5, edges, corners_and_random(COUNT_BITS, shape, rng))
+    return np.where(rng.random(shape) < 0.125, odd, counts)
+
+
+def inputs_of(counts: np.ndarray) -> list[dict[str, int]]:
+    return [{"in_count": pack(row, COUNT_BITS)} for row in counts]
+
+
+def assert_equal_to_model(recording, counts: np.ndarray) -> None:
+    fixed = fixed_network()
+    expected = bittrue.core(counts, fixed)
+    n = fixed.n_axes
+    np.testing.assert_array_equal(unpack(recording.outputs["out_force"], FORCE_BITS, n), expected.force_mn)
+    np.testing.assert_array_equal(unpack(recording.outputs["out_clamped"], 1, n) != 0, expected.clamped)
+    np.testing.assert_array_equal(unpack(recording.outputs["out_saturated"], 1, n) != 0, expected.saturated)
+
+
+@cocotb.test()
+async def back_to_back(dut):
+    """Interval and latency are exactly those of the header; nothing is lost or invented."""
+    lanes, fixed = int(os.environ["LANES_G"]), fixed_network()
+    steps = fixed.n_hidden // lanes
+    counts = draw_counts(40 * min(lanes, 5), np.random.default_rng(10))
+    await start(dut)
+    got = await stream(dut, inputs_of(counts), OUTPUTS)
+    assert_equal_to_model(got, counts)
+    assert set(np.diff(got.accepted)) == {steps}
+    tree = int(np.ceil(np.log2(fixed.n_axes + 1))) + int(np.ceil(np.log2(lanes)))
+    scalers = 2 * fixed.n_axes if lanes == 1 else 0
+    (latency,) = latencies(got)
+    assert latency == 14 + steps + tree + scalers
+    print(f"MEASURED lanes={lanes} interval={steps} latency={latency}")
+
+
+@cocotb.test()
+async def random_gaps(dut):
+    """A run with gaps gives the same forces as one without."""
+    rng = np.random.default_rng(11)
+    counts = draw_counts(60, rng)
+    await start(dut)
+    got = await stream(dut, inputs_of(counts), OUTPUTS, gap_probability=0.9, rng=rng)
+    assert_equal_to_model(got, counts)
+    assert len(set(np.diff(got.accepted))) > 3, "the gaps did not vary"
+
+
+@cocotb.test()
+async def reset_in_mid_stream(dut):
+    """Whatever is under way at a reset never comes out; what follows is right."""
+    rng = np.random.default_rng(12)
+    await start(dut)
+    for clocks_before_reset in [1, 2, *rng.integers(3, 60, 10)]:
+        dut.in_count.value = pack(draw_counts(1, rng)[0], COUNT_BITS)
+        dut.in_valid.value = 1
+        for _ in range(int(clocks_before_reset)):
+            await FallingEdge(dut.clk)
+        dut.in_valid.value = 0
+        dut.rst.value = 1
+        await FallingEdge(dut.clk)
+        assert dut.out_valid.value == 0
+        dut.rst.value = 0
+        counts = draw_counts(3, rng)
+        got = await stream(dut, inputs_of(counts), OUTPUTS)
+        assert_equal_to_model(got, counts)
+
+
+@pytest.mark.parametrize("lanes", LANES)
+def test_core_equals_model_at_its_interval_and_latency(lanes):
+    simulate("gc_core", "test_rtl_core", generics={"lanes_g": lanes})

@@ -1,0 +1,32 @@
+"""gc_hidden_lane: pre-activations of the neurons of one lane, in turn, bit-true."""
+
+import os
+
+import cocotb
+import numpy as np
+import pytest
+
+from codes import corners_and_random, fixed_network, pack, unpack
+from gravcomp.network.bittrue import hidden_lane
+from gravcomp.network.quantise import OPERAND_BITS
+from runner import simulate
+from stream import latencies, start, stream
+
+
+@cocotb.test()
+async def neurons_in_turn(dut):
+    fixed, lanes, lane = fixed_network(), int(os.environ["LANES_G"]), int(os.environ["LANE_G"])
+    steps, rng = fixed.n_hidden // lanes, np.random.default_rng(4)
+    x = np.clip(corners_and_random(OPERAND_BITS, (20, fixed.n_axes), rng), fixed.x_low, fixed.x_high)
+    inputs = [{"in_x": pack(row, OPERAND_BITS)} for row in np.repeat(x, steps, axis=0)]
+    await start(dut)
+    got = await stream(dut, inputs, ["out_a"], gap_probability=0.2, rng=rng)
+    expected = hidden_lane(x, fixed)[:, lane::lanes].reshape(-1)
+    np.testing.assert_array_equal(unpack(got.outputs["out_a"], OPERAND_BITS, 1)[:, 0], expected)
+    assert np.abs(expected).max() > 2 ** (OPERAND_BITS - 1) - 2, "no pre-activation saturated: the test is too tame"
+    assert latencies(got) == {5}
+
+
+@pytest.mark.parametrize(("lanes", "lane"), [(1, 0), (4, 3), (5, 2), (10, 7)])
+def test_hidden_lane_equals_model(lanes, lane):
+    simulate("gc_hidden_lane", "test_rtl_hidden_lane", generics={"lanes_g": lanes, "lane_g": lane})

@@ -1,0 +1,40 @@
+"""gc_input_scaler: clamp and scale of encoder counts, bit-true, with n multipliers and with one."""
+
+import os
+
+import cocotb
+import numpy as np
+import pytest
+
+from codes import corners_and_random, fixed_network, pack, unpack
+from gravcomp.network.bittrue import input_scaler
+from gravcomp.network.quantise import COUNT_BITS, OPERAND_BITS
+from runner import simulate
+from stream import latencies, start, stream
+
+
+@cocotb.test()
+async def corners_and_random_counts(dut):
+    fixed, is_serial = fixed_network(), os.environ["SERIAL_G"] == "true"
+    n, rng = fixed.n_axes, np.random.default_rng(3)
+    inside = rng.integers(fixed.count_low, fixed.count_high, (300, n), endpoint=True)
+    edges = np.concatenate([np.arange(-3, 4)[:, None] + edge for edge in (fixed.count_low, fixed.count_high)])
+    counts = np.concatenate([corners_and_random(COUNT_BITS, (100, n), rng), edges, inside])
+    await start(dut)
+    got = await stream(
+        dut,
+        [{"in_count": pack(row, COUNT_BITS)} for row in counts],
+        ["out_x", "out_clamped"],
+        spacing=n if is_serial else 1,
+        gap_probability=0.2,
+        rng=rng,
+    )
+    x, is_clamped = input_scaler(counts, fixed)
+    np.testing.assert_array_equal(unpack(got.outputs["out_x"], OPERAND_BITS, n), x)
+    np.testing.assert_array_equal(unpack(got.outputs["out_clamped"], 1, n) != 0, is_clamped)
+    assert latencies(got) == {n + 3 if is_serial else 3}
+
+
+@pytest.mark.parametrize("serial", ["false", "true"])
+def test_input_scaler_equals_model(serial):
+    simulate("gc_input_scaler", "test_rtl_input_scaler", generics={"serial_g": serial})

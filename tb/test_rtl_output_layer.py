@@ -1,0 +1,33 @@
+"""gc_output_layer: output sums over all lanes and steps, bit-true, bias included once."""
+
+import os
+
+import cocotb
+import numpy as np
+import pytest
+
+from codes import corners_and_random, fixed_network, pack, unpack
+from gravcomp.network.bittrue import output_layer
+from gravcomp.network.quantise import OPERAND_BITS
+from runner import simulate
+from stream import start, stream
+
+
+@cocotb.test()
+async def sums_of_random_activations(dut):
+    fixed, lanes = fixed_network(), int(os.environ["LANES_G"])
+    steps, rng = fixed.n_hidden // lanes, np.random.default_rng(5)
+    h = corners_and_random(OPERAND_BITS, (60, fixed.n_hidden), rng)
+    inputs = [{"in_h": pack(row, OPERAND_BITS)} for row in h.reshape(-1, lanes)]
+    await start(dut)
+    got = await stream(dut, inputs, ["out_total"], gap_probability=0.2, rng=rng)
+    totals = unpack(got.outputs["out_total"], fixed.output_sum_bits, fixed.n_axes)
+    np.testing.assert_array_equal(totals, output_layer(h, fixed))
+    last_of_inference = got.accepted[steps - 1 :: steps]
+    delays = {out - last for last, out in zip(last_of_inference, got.valid, strict=True)}
+    assert delays == {3 + int(np.ceil(np.log2(lanes)))}
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 4, 5, 10, 20])
+def test_output_layer_equals_model(lanes):
+    simulate("gc_output_layer", "test_rtl_output_layer", generics={"lanes_g": lanes})
