@@ -43,7 +43,7 @@ begin
     signal level : std_ulogic := '0';
     signal dropped : std_ulogic := '0';
     -- successive samples: equal to level while it is being learnt, different from level afterwards
-    signal run : natural range 0 to samples_g - 1 := 0;
+    signal run : natural range 0 to samples_g := 0;
 
   begin
 
@@ -57,12 +57,18 @@ begin
       if rising_edge(clk) then
         dropped <= '0';
 
-        if known = '0' then
-          run_v := run + 1 when in_level = level else 1;
+        if known = '0' and in_level = level then
+          run_v := run + 1;
+        elsif known = '0' then
           level <= in_level;
+          run_v := 1;
+        elsif in_level /= level then
+          run_v := run + 1;
         else
-          run_v := run + 1 when in_level /= level else 0;
-          dropped <= '1' when in_level = level and run > 0 else '0';
+          run_v := 0;
+          if run > 0 then
+            dropped <= '1';
+          end if;
         end if;
 
         if run_v = samples_g then

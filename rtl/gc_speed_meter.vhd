@@ -57,7 +57,7 @@ architecture rtl of gc_speed_meter is
 
   signal now : clocks_t := (others => '0');
   signal stamp : stamps_t := (others => (others => '0'));
-  signal idle : natural range 0 to timeout_g - 1 := 0;
+  signal idle : natural range 0 to timeout_g := 0;
 
   signal edges_1 : natural range 0 to edges_c := 0;
   signal up_1 : std_ulogic := '0';

@@ -121,6 +121,7 @@ async def decoder_counts_its_edges(dut):
     cocotb.log.info("seed 9")
     config = DecoderConfig(filter_samples=4)
     dut.clocks_per_edge.value = config.shortest_level // 2 + 1
+    await record(dut, 20)
     rows = [await record(dut, 20)]
     for target in rng.integers(-30, 30, 12):
         dut.target.value = int(target)
