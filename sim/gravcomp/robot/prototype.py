@@ -20,10 +20,11 @@ _FORK_MASS_KG = 1e-6
 _FORK_ARMATURE_KGM2 = 0.01
 # As stiff as the time step allows: a rigid weld gives way by some nanometres under the robot's weight.
 _STIFF = f'solref="{2 * TIME_STEP_S} 1" solimp="0.9999 0.9999 0.001 0.5 2"'
-# Servo that holds a pose: about 5 Hz and well damped on the 10 to 20 kg that a motor moves.
-SERVO_KP_N_PER_M = 2.0e4
-SERVO_KI_N_PER_MS = 1.0e5
-SERVO_KD_NS_PER_M = 1.2e3
+# Servo with all three poles at one place, for the mass that a motor moves (16 to 21 kg over the workspace).
+_MOVED_KG, _SERVO_RAD_PER_S = 17.0, 30.0
+SERVO_KP_N_PER_M = 3 * _MOVED_KG * _SERVO_RAD_PER_S**2
+SERVO_KI_N_PER_MS = _MOVED_KG * _SERVO_RAD_PER_S**3
+SERVO_KD_NS_PER_M = 3 * _MOVED_KG * _SERVO_RAD_PER_S
 
 
 def prototype_mjcf(p: RobotParameters) -> str:
@@ -93,8 +94,8 @@ class Prototype:
         """
         return np.array([self.model.joint(f"{joint}{n}").dofadr[0] for n in (1, 2, 3)])
 
-    def set_pose(self, rotation: np.ndarray) -> None:
-        """Put the whole chain, at rest, at a pose (3, 3) by inverse and passive kinematics. Raises PoseError."""
+    def set_pose(self, rotation: np.ndarray, velocity_mps: np.ndarray | None = None) -> None:
+        """Put the whole chain at a pose (3, 3), at rest or with motor velocities (3,). Raises PoseError."""
         p, data = self.parameters, self.data
         self.mujoco.mj_resetData(self.model, data)
         coordinates = _leg_coordinates(rotation, p)
@@ -104,6 +105,9 @@ class Prototype:
         x, y, z, w = Rotation.from_matrix(rotation).as_quat()
         data.joint("platform").qpos[:] = [0.0, 0.0, 0.0, w, x, y, z]
         self.mujoco.mj_forward(self.model, data)
+        if velocity_mps is not None:
+            data.qvel[:] = np.linalg.solve(self._motors_and_closure(), np.concatenate([velocity_mps, np.zeros(18)]))
+            self.mujoco.mj_forward(self.model, data)
 
     def motor_positions(self) -> np.ndarray:
         """q (3,), m, as the engine has it."""
@@ -131,15 +135,25 @@ class Prototype:
         return self.data.ctrl.copy()
 
     def holding_forces_algebra(self, rotation: np.ndarray) -> np.ndarray:
-        """Motor forces (3,), N, from the engine's own weight and constraint Jacobian J_c, without any motion.
-
-        At rest, S^T f + J_c^T lambda = c: as many unknowns (3 motors, 18 constraint forces) as equations.
-        """
+        """Motor forces (3,), N, that hold a pose, from the engine's equilibrium, without any motion."""
         self.set_pose(rotation)
-        n_dofs = self.model.nv
-        constraint = self.data.efc_J.reshape(-1, n_dofs)[self._closure_rows()]
-        motors = np.eye(n_dofs)[self.motor_dofs]
-        return np.linalg.solve(np.vstack([motors, constraint]).T, self.data.qfrc_bias)[:3]
+        return self.equilibrium_forces()
+
+    def equilibrium_forces(self) -> np.ndarray:
+        """Motor forces (3,), N, that keep the robot as it is: at rest, or in slow motion against its friction.
+
+        S^T f + J_c^T lambda = weight - springs and dampers - applied forces + friction, with the constraint Jacobian
+        J_c: as many unknowns (3 motors, 18 constraint forces) as equations.
+        """
+        data = self.data
+        friction = self.model.dof_frictionloss * np.sign(data.qvel)
+        load = data.qfrc_bias - data.qfrc_passive - data.qfrc_applied + friction
+        return np.linalg.solve(self._motors_and_closure().T, load)[:3]
+
+    def _motors_and_closure(self) -> np.ndarray:
+        """S over J_c, square: maps all joint velocities to those of the motors and of the welds' violation."""
+        constraint = self.data.efc_J.reshape(-1, self.model.nv)[self._closure_rows()]
+        return np.vstack([np.eye(self.model.nv)[self.motor_dofs], constraint])
 
     def _closure_rows(self) -> np.ndarray:
         return self.data.efc_type == self.mujoco.mjtConstraint.mjCNSTR_EQUALITY

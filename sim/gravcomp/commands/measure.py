@@ -1,0 +1,70 @@
+"""Measure the virtual prototype: a CSV of positions, velocities and currents, and its sealed answer.
+
+The CSV tells nothing of what was put in; LOG.sealed.json does, and no diagnosis reads it.
+"""
+
+import numpy as np
+
+from gravcomp.errors import InputError
+from gravcomp.measured.experiment import DEFAULT_NOISE_N, MODES, measure, write_measurement
+from gravcomp.measured.experiment_effects import EFFECTS, LISTED, UNLISTED, Effect
+from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
+
+RANDOM = {"random": LISTED, "random_unlisted": UNLISTED}
+
+
+def add_arguments(parser):
+    parser.add_argument(
+        "--effect",
+        action="append",
+        metavar="NAME[:PARAM=VALUE,...]",
+        help=f"what the model lacks; repeatable; none, random, random_unlisted, {', '.join(EFFECTS)}",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of poses, path, noise and random effects (default 0)")
+    parser.add_argument("--out", required=True, metavar="LOG.csv", help="where to write")
+    parser.add_argument("--mode", choices=MODES, default="both", help="static holds, slow motion, or both (default)")
+    parser.add_argument("--points", type=int, default=3600, help="samples (default 3600; both: a quarter are holds)")
+    parser.add_argument("--noise", type=float, default=DEFAULT_NOISE_N, help="of the currents, N RMS (default 0.1)")
+    parser.add_argument("--speed", type=float, default=1.0, help="of the motion; 1 (default) is 10 mm/s at most")
+    parser.add_argument("--temperature", action="store_true", help="log the motors' temperature too")
+    parser.add_argument("--robot", default=NOMINAL_TOML, metavar="TOML", help="robot parameters (default: Sphe.I.Ro.)")
+
+
+def run(arguments):
+    if arguments.seed < 0 or not arguments.noise >= 0 or not 0 < arguments.speed <= 100:
+        raise InputError("--seed and --noise must not be negative, --speed must be in 0..100; correct them")
+    p = load_parameters(arguments.robot)
+    rng = np.random.default_rng([arguments.seed, 1])
+    effects = [effect for text in arguments.effect or ["none"] for effect in parse_effect(text, rng)]
+    log = measure(
+        p,
+        effects,
+        arguments.points,
+        arguments.seed,
+        mode=arguments.mode,
+        noise_n=arguments.noise,
+        speed=arguments.speed,
+    )
+    facts = {name: getattr(arguments, name) for name in ("seed", "mode", "speed", "temperature")}
+    sealed = write_measurement(arguments.out, log, effects, p, noise_n=arguments.noise, **facts)
+    print(f"{arguments.out}: {arguments.points} samples, mode {arguments.mode}, seed {arguments.seed}")
+    print(f"{sealed}: the answer; open it after the diagnosis")
+
+
+def parse_effect(text: str, rng: np.random.Generator) -> list[Effect]:
+    """Effects named by one --effect: none, one drawn at random, or one by name and parameters. Raises InputError."""
+    name, _, settings = text.partition(":")
+    if name == "none":
+        return []
+    if name in RANDOM:
+        return [EFFECTS[str(rng.choice(RANDOM[name]))].draw(rng)]
+    if name not in EFFECTS:
+        raise InputError(f"--effect {name}: not known; give one of none, {', '.join([*RANDOM, *EFFECTS])}")
+    given = {}
+    for setting in filter(None, settings.split(",")):
+        parameter, _, value = setting.partition("=")
+        try:
+            given[parameter] = float(value)
+        except ValueError:
+            raise InputError(f"--effect {name}: {setting!r} is not PARAM=NUMBER; correct it") from None
+    return [EFFECTS[name](**given)]
