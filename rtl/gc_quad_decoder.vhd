@@ -164,15 +164,15 @@ begin
 
       -- after the count: the index says where the axis is, whatever the step that led there
       home_enable_1 <= cfg_home_enable;
-      if cfg_home_enable = '0' then
-        armed <= '0';
-      elsif home_enable_1 = '0' then
-        armed <= '1';
-        sts_referenced <= '0';
-      elsif armed = '1' and count_valid = '1' and valid(2) = '1' and level(2) = '1' and phase = index_phase_g then
-        armed <= '0';
-        count <= cfg_index_position;
-        sts_referenced <= '1';
+      if cfg_home_enable = '1' then
+        if home_enable_1 = '0' then
+          armed <= '1';
+          sts_referenced <= '0';
+        elsif armed = '1' and count_valid = '1' and valid(2) = '1' and level(2) = '1' and phase = index_phase_g then
+          armed <= '0';
+          count <= cfg_index_position;
+          sts_referenced <= '1';
+        end if;
       end if;
 
       if rst = '1' then

@@ -111,17 +111,20 @@ def pulse_limit(config, rng):
     """A pulse a clock shorter than the filter is dropped and reported; one of its length is counted, there and back."""
     n = config.filter_samples
     shortest = max(n, 1)
-    inputs = stimulus(np.zeros(8 * shortest + 4 * config.latency, np.int64), config)
-    first = 2 * config.latency + 2
-    second = first + 2 * shortest + config.latency
-    inputs["a"][first : first + shortest - 1] = 1
-    inputs["cfg_clear"][second - 2] = 1
-    inputs["a"][second : second + shortest] = 1
+    gap = 2 * shortest + 2 * config.latency
+    starts = gap * np.arange(1, 4)
+    inputs = stimulus(np.zeros(5 * gap, np.int64), config)
+    inputs["a"][starts[0] : starts[0] + shortest - 1] = 1
+    inputs["b"][starts[1] : starts[1] + shortest - 1] = 1
+    inputs["a"][starts[2] : starts[2] + shortest] = 1
+    inputs["cfg_clear"][starts[1:] - 2] = 1
 
     def check(out):
-        assert not out["count"][: second + config.latency].any()
-        assert out["sts_glitch"].any() == (n > 1)
-        inside = slice(second + config.latency, second + config.latency + shortest)
+        for k in starts[1:]:
+            assert out["sts_glitch"][k - 2] == (n > 1)
+            assert not out["sts_glitch"][k]
+        inside = slice(starts[2] + config.latency, starts[2] + config.latency + shortest)
+        assert not out["count"][: inside.start].any()
         assert (out["count"][inside] == 1).all()
         assert not out["count"][inside.stop :].any()
         assert not out["sts_glitch"][-1]
@@ -205,9 +208,11 @@ def index_from_both_sides(config, rng, index_width=1):
     rest = 2 * config.latency + 2
     starts = rest + len(sweep) * np.arange(5)
     inputs["cfg_home_enable"][starts[1] : starts[2]] = 1
-    inputs["cfg_home_enable"][starts[2] + 2 * config.latency + 2 :] = 1
+    inputs["cfg_home_enable"][starts[2] + 2 * config.latency + 2 : starts[4]] = 1
     reference = int(rng.integers(-(2**31), 2**31))
-    inputs["cfg_index_position"][:] = np.where(np.arange(len(inputs["a"])) < starts[2], reference, -77)
+    inputs["cfg_index_position"][: starts[2]] = reference
+    inputs["cfg_index_position"][starts[2] : starts[3]] = -77
+    inputs["cfg_index_position"][starts[3] :] = 5555
 
     def check(out):
         truth = delayed(inputs["position"], config)
@@ -218,6 +223,7 @@ def index_from_both_sides(config, rng, index_width=1):
             expected = [wrap_32(int(at_index + p - index_at)) for p in truth[taken:stop]]
             assert out["count"][taken:stop].tolist() == expected
         assert not out["sts_referenced"][: starts[1]].any()
+        assert out["sts_referenced"][-1]
         assert np.array_equal(out["count"][: starts[1]], truth[: starts[1]] - inputs["position"][0])
         assert not out["sts_illegal"].any()
 
@@ -238,6 +244,19 @@ def disarmed_index(config, rng):
     def check(out):
         assert not out["sts_referenced"].any()
         assert np.array_equal(out["count"], delayed(inputs["position"] - inputs["position"][0], config))
+
+    return inputs, check
+
+
+def noisy_index(config, rng):
+    """An index pin that never rests as long as the filter asks is no index, even before its first level is known."""
+    n = config.filter_samples
+    inputs = stimulus(np.full(10 * n + 20, config.index_phase), config)
+    inputs["z"][:] = np.arange(len(inputs["z"])) // max(n - 1, 1) % 2
+    inputs["cfg_home_enable"][1:] = 1
+
+    def check(out):
+        assert out["sts_referenced"].any() == (n < 2)
 
     return inputs, check
 
@@ -269,6 +288,8 @@ def reset_in_mid_stream(config, rng):
     resets = np.flatnonzero(rng.random(len(inputs["a"])) < 0.01)
     for k in resets:
         inputs["rst"][k : k + int(rng.integers(1, 4))] = 1
+    edges = np.flatnonzero(np.diff(inputs["position"])) + 1
+    inputs["rst"][rng.choice(edges, 12) + config.latency - 1] = 1
 
     def check(out):
         truth = delayed(inputs["position"], config)
@@ -372,7 +393,7 @@ SCENARIOS = {
     scenario.__name__: scenario
     for scenario in (
         latency, jitter, glitches, pulse_limit, limit_speed, beyond_limit, illegal,
-        index_from_both_sides, ungated_index, disarmed_index, wrap_around, reset_in_mid_stream,
+        index_from_both_sides, ungated_index, disarmed_index, noisy_index, wrap_around, reset_in_mid_stream,
         steady_speed, fractional_speed, reversal_and_standstill, noise,
     )
 }  # fmt: skip

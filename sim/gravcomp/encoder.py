@@ -154,11 +154,9 @@ def _decode(inputs, filtered, config) -> tuple[dict[str, np.ndarray], np.ndarray
             direction = int(change == 1)
             count = wrap_32(count + 2 * direction - 1)
         enable = inputs["cfg_home_enable"][k]
-        if not enable:
-            armed = 0
-        elif not enable_1:
+        if enable and not enable_1:
             armed, referenced = 1, 0
-        elif armed and count_valid and valid_z[k] and z[k] and phase[k] == config.index_phase:
+        elif enable and armed and count_valid and valid_z[k] and z[k] and phase[k] == config.index_phase:
             armed, referenced, count = 0, 1, int(inputs["cfg_index_position"][k])
         enable_1 = enable
         if valid_a[k] and valid_b[k]:
