@@ -8,7 +8,8 @@ What the physics has and the analytic model lacks is a list of effects (``experi
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,10 +30,10 @@ MODES = ("static", "motion", "both")
 DEFAULT_NOISE_N = 0.1
 _WINDOW_STEPS = 20  # the current is averaged over so long
 # An approach turns the platform at this rate, slows down to a creep, and stops; speeds of the motors are d times that.
-_APPROACH_RAD_PER_S, _CREEP_RAD_PER_S = 0.03, 0.004
-_CRUISE_STEPS, _SLOWING_STEPS, _CREEP_STEPS, _REST_STEPS = 60, 120, 60, 40
+_APPROACH_RAD_PER_S, _CREEP_RAD_PER_S = 0.008, 0.002
+_CRUISE_STEPS, _SLOWING_STEPS, _CREEP_STEPS, _REST_STEPS = 20, 100, 80, 60
 _HOLD_PERIOD_S = 2.0  # in the log: the travel takes time, though it isn't simulated
-_SAMPLE_STEPS, _SETTLE_STEPS = 200, 500  # of the motion
+_SAMPLE_STEPS = 200  # of the motion
 _PHASE_PER_SAMPLE_RAD = 0.005  # of the path's oscillations: 10 mm/s at most, so that inertia stays below 0.02 N
 _PATH_FREQUENCIES = (1.0, 1.382, 0.787)
 _PATH_FILL = 0.68  # amplitude of each of two tilts, so that both together stay inside the cone
@@ -75,7 +76,7 @@ def measure(
     n_static = {"static": n_points, "motion": 0, "both": n_points // 4}[mode]
     poses = sample_workspace(n_static, p, int(rng.integers(2**31)))
     plant = Plant(p, effects)
-    with tqdm(total=n_points, desc="measuring", delay=2.0, unit="sample") as progress:
+    with _watched(n_points) as progress:
         rows = hold_poses(plant, poses, rng, progress)
         rows += follow_path(plant, n_points - n_static, rng, speed, n_static * _HOLD_PERIOD_S, progress)
     t, temperature, *arrays = (np.array(column) for column in zip(*rows, strict=True))
@@ -92,10 +93,17 @@ def static_points(
     Returns q (n, 3), m, as read, and f_exp (n, 3), N, from the currents.
     """
     rng = np.random.default_rng(seed)
-    with tqdm(total=len(poses), desc="holding", delay=2.0, unit="pose") as progress:
+    with _watched(len(poses)) as progress:
         rows = hold_poses(Plant(p, effects), poses, rng, progress)
     q, effort = (np.array([row[k] for row in rows]) for k in (2, 4))
     return q, effort + noise_n * rng.standard_normal(effort.shape)
+
+
+@contextmanager
+def _watched(n_samples: int) -> Iterator[tqdm]:
+    """A progress bar; and if the PID loses the robot, check_control says so instead of NumPy."""
+    with tqdm(total=n_samples, desc="measuring", delay=2.0, unit="sample") as progress, np.errstate(all="ignore"):
+        yield progress
 
 
 def hold_poses(plant: Plant, poses: np.ndarray, rng: np.random.Generator, progress: tqdm) -> list[tuple]:
@@ -128,9 +136,7 @@ def follow_path(
         return []
     path = _path(n_samples, rng.uniform(0.0, 2 * np.pi, 3), speed, plant.parameters)
     statics = holding_forces_at(path[::_SAMPLE_STEPS], plant.parameters)
-    plant.place(path[0], np.zeros(3), t_s)
-    for _ in range(_SETTLE_STEPS):
-        plant.step(path[0])
+    plant.place(path[0], (path[_SAMPLE_STEPS - 1] - path[0]) / (_SAMPLE_STEPS * TIME_STEP_S), t_s)
     rows = []
     for k in range(n_samples):
         plant.state.statics_n = statics[k]
