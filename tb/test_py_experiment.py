@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from gravcomp.cli import main
 from gravcomp.errors import InputError
 from gravcomp.measured.experiment import log_csv, measure, static_points
-from gravcomp.measured.experiment_effects import EFFECTS, LISTED, UNLISTED
+from gravcomp.measured.experiment_effects import EFFECTS, LISTED, UNLISTED, field_effects
 from gravcomp.robot.kinematics import PoseError, direct_kinematics, inverse_kinematics, jacobian, passive_jacobian
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.robot.statics import holding_forces_at
@@ -275,6 +275,13 @@ def test_field_points_are_read_where_asked_and_carry_the_friction():
     assert off.max() < 2.1
     with pytest.raises(PoseError, match=r"^pose 0 is not a rotation"):
         static_points(P, [], 2.0 * poses, seed=3)
+
+
+def test_field_effects_make_the_analytic_model_err_as_in_the_paper():
+    q, force = static_points(P, field_effects(), sample_workspace(60, P, seed=7, torsion_deg=0.0), seed=7)
+    percent = 100 * np.linalg.norm(force - holding_forces_at(q, P), axis=1) / np.linalg.norm(force, axis=1)
+    print(f"analytic model on the field, torsion 0: {percent.mean():.1f} % on average (paper: 3.8 %)")
+    assert percent.mean() == pytest.approx(3.8, abs=0.4)
 
 
 def test_unknown_mode_is_refused():

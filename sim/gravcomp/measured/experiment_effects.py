@@ -234,7 +234,7 @@ class EncoderOffset(Effect):
     """The carriage is at the reading plus the offset."""
 
     name = "encoder_offset"
-    ranges: ClassVar = {"offset": Range(0.0006, 0.004, signs=EITHER)}  # m
+    ranges: ClassVar = {"offset": Range(0.001, 0.004, signs=EITHER)}  # m
 
     def shift_m(self, state):
         return -self.offset
@@ -262,7 +262,7 @@ class LinkCompliance(Effect):
     """The carriage is at the reading plus c times the motor force; c is negative, as what is pushed gives way."""
 
     name = "link_compliance"
-    ranges: ClassVar = {"c": Range(8e-6, 3e-5, signs=(-1.0,))}  # m/N
+    ranges: ClassVar = {"c": Range(1.2e-5, 3e-5, signs=(-1.0,))}  # m/N
 
     def reset(self, state):
         self._force_n = state.motor_n
@@ -278,7 +278,7 @@ class ThermalDrift(Effect):
     name = "thermal_drift"
     ranges: ClassVar = {
         "gain": Range(0.02, 0.1, per_axis=False, signs=EITHER),
-        "tau_s": Range(60.0, 400.0, per_axis=False),
+        "tau_s": Range(150.0, 1000.0, per_axis=False),
         "gain_per_k": NOT_DRAWN._replace(per_axis=False),
     }
 
@@ -288,7 +288,7 @@ class ThermalDrift(Effect):
 
 
 class Inertia(Effect):
-    """A mass m, kg, more on each carriage that weighs nothing (a rotor, a counterweighted mass)."""
+    """A mass m, kg, more on each carriage, carried by a counterweight; slow motion hides it."""
 
     name = "inertia"
     ranges: ClassVar = {"m": Range(2.0, 20.0)}
@@ -373,7 +373,7 @@ class StepChange(Effect):
 
     name = "step_change"
     on_list = False
-    ranges: ClassVar = {"a": Range(0.4, 3.0, signs=EITHER), "t0_s": Range(60.0, 180.0, per_axis=False)}
+    ranges: ClassVar = {"a": Range(0.4, 3.0, signs=EITHER), "t0_s": Range(100.0, 600.0, per_axis=False)}
 
     def effort_n(self, effort_n, state):
         return effort_n + self.a * (state.t_s > self.t0_s)
@@ -396,7 +396,7 @@ class PlatformHose(Effect):
 
     name = "platform_hose"
     on_list = False
-    ranges: ClassVar = {"k": Range(1.0, 6.0)}
+    ranges: ClassVar = {"k": Range(0.3, 2.0)}
 
     def install(self, robot):
         robot.model.jnt_stiffness[robot.dofs("outer")] += self.k
@@ -405,3 +405,16 @@ class PlatformHose(Effect):
 EFFECTS = {effect.name: effect for effect in Effect.__subclasses__()}
 LISTED = [name for name, effect in EFFECTS.items() if effect.on_list]
 UNLISTED = [name for name, effect in EFFECTS.items() if not effect.on_list]
+
+
+def field_effects() -> list[Effect]:
+    """What the paper finds in the real robot: friction of the passive joints, static friction, deformation and play.
+
+    The sizes make the analytic model err by about 3.8 % on average at torsion 0, as in the paper's Table 2.
+    """
+    return [
+        PassiveJointFriction(fc_b=2.0, fc_phi=0.35),
+        CoulombFriction(fc=0.3),
+        LinkCompliance(c=-2e-5),
+        Backlash(gap=0.001),
+    ]
