@@ -32,7 +32,7 @@ end entity gc_adder_tree;
 
 architecture rtl of gc_adder_tree is
 
-  constant depth_c : natural := tree_depth(terms_g);
+  constant depth_c  : natural  := tree_depth(terms_g);
   -- Terms after padding with zeros to a power of two; adders of two zeros vanish in synthesis.
   constant leaves_c : positive := 2 ** depth_c;
 
@@ -60,9 +60,11 @@ begin
 
     p_add : process (clk) is
     begin
+
       if rising_edge(clk) then
         node(k) <= node(2 * k) + node(2 * k + 1);
       end if;
+
     end process p_add;
 
   end generate g_node;
@@ -73,12 +75,14 @@ begin
 
     p_valid : process (clk) is
     begin
+
       if rising_edge(clk) then
         valid(i) <= valid(i - 1);
         if rst = '1' then
           valid(i) <= '0';
         end if;
       end if;
+
     end process p_valid;
 
   end generate g_valid;

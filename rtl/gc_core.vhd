@@ -44,11 +44,11 @@ end entity gc_core;
 
 architecture rtl of gc_core is
 
-  constant steps_c : positive := hidden_c / lanes_g;
+  constant steps_c  : positive := hidden_c / lanes_g;
   -- With 20 clocks per inference one multiplier per scaler is enough.
-  constant serial_c : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
+  constant serial_c : boolean  := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
   -- From x to force: lane, activation, output layer, output scaler.
-  constant delay_c : positive := (3 + tree_depth(inputs_c + 1)) + 3 + (steps_c - 1 + 3 + tree_depth(lanes_g))
+  constant delay_c  : positive := (3 + tree_depth(inputs_c + 1)) + 3 + (steps_c - 1 + 3 + tree_depth(lanes_g))
                                  + (1 + scale_latency(outputs_c, serial_c));
 
   signal wait_clocks : natural range 0 to steps_c - 1 := 0;
@@ -75,6 +75,7 @@ begin
   -- One inference per steps_c clocks at the input, steps_c clocks of the lanes for each x.
   p_sequence : process (clk) is
   begin
+
     if rising_edge(clk) then
       if accept = '1' then
         wait_clocks <= steps_c - 1;
@@ -91,6 +92,7 @@ begin
         step        <= 0;
       end if;
     end if;
+
   end process p_sequence;
 
   i_input_scaler : entity work.gc_input_scaler

@@ -29,8 +29,8 @@ end entity gc_current_scaler;
 
 architecture rtl of gc_current_scaler is
 
-  constant product_bits_c : positive := force_bits_c + operand_bits_c;
-  constant factor_c       : operand_t := to_signed(current_scale_c, operand_bits_c);
+  constant product_bits_c : positive                            := force_bits_c + operand_bits_c;
+  constant factor_c       : operand_t                           := to_signed(current_scale_c, operand_bits_c);
   constant half_c         : signed(product_bits_c - 1 downto 0) := to_signed(2 ** (current_scale_fraction_c - 1),
                                                                              product_bits_c);
 
@@ -63,9 +63,11 @@ begin
     -- stage 3: round
     p_round : process (clk) is
     begin
+
       if rising_edge(clk) then
         current_3 <= truncate(product_2 + half_c, current_scale_fraction_c, current_bits_c);
       end if;
+
     end process p_round;
 
     out_current((i + 1) * current_bits_c - 1 downto i * current_bits_c) <= current_3;
@@ -73,12 +75,14 @@ begin
 
   p_valid : process (clk) is
   begin
+
     if rising_edge(clk) then
       valid_3 <= valid_2(0);
       if rst = '1' then
         valid_3 <= '0';
       end if;
     end if;
+
   end process p_valid;
 
   out_valid <= valid_3;

@@ -29,12 +29,18 @@ begin
 
   p_delay : process (clk) is
   begin
+
     if rising_edge(clk) then
       stages(1) <= in_data;
+
       for i in 2 to clocks_g loop
+
         stages(i) <= stages(i - 1);
+
       end loop;
+
     end if;
+
   end process p_delay;
 
   out_data <= stages(clocks_g);

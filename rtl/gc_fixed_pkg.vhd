@@ -17,67 +17,126 @@ package gc_fixed_pkg is
   subtype operand_t is signed(operand_bits_c - 1 downto 0);
 
   -- Number of register stages of gc_adder_tree.
-  function tree_depth (terms : positive) return natural;
+
+  function tree_depth (
+    terms : positive
+  ) return natural;
 
   -- Latency of gc_scale, clocks.
-  function scale_latency (values : positive; serial : boolean) return natural;
+
+  function scale_latency (
+    values : positive;
+    serial : boolean
+  ) return natural;
 
   -- Drop the lowest bits. The caller guarantees that the result fits `bits`.
-  function truncate (value : signed; drop : natural; bits : positive) return signed;
+
+  function truncate (
+    value : signed;
+    drop : natural;
+    bits : positive
+  ) return signed;
 
   -- Whether value does not fit `bits`.
-  function overflows (value : signed; bits : positive) return std_ulogic;
+
+  function overflows (
+    value : signed;
+    bits : positive
+  ) return std_ulogic;
 
   -- Clip to the range of a signed number of `bits`.
-  function saturate (value : signed; bits : positive) return signed;
+
+  function saturate (
+    value : signed;
+    bits : positive
+  ) return signed;
 
 end package gc_fixed_pkg;
 
 package body gc_fixed_pkg is
 
-  function tree_depth (terms : positive) return natural is
+  function tree_depth (
+    terms : positive
+  ) return natural is
+
     variable depth_v : natural := 0;
+
   begin
+
     while 2 ** depth_v < terms loop
+
       depth_v := depth_v + 1;
+
     end loop;
+
     return depth_v;
+
   end function tree_depth;
 
-  function scale_latency (values : positive; serial : boolean) return natural is
+  function scale_latency (
+    values : positive;
+    serial : boolean
+  ) return natural is
   begin
+
     if serial and values > 1 then
       return values + 2;
     end if;
+
     return 2;
+
   end function scale_latency;
 
-  function truncate (value : signed; drop : natural; bits : positive) return signed is
+  function truncate (
+    value : signed;
+    drop : natural;
+    bits : positive
+  ) return signed is
   begin
+
     return resize(shift_right(value, drop), bits);
+
   end function truncate;
 
-  function overflows (value : signed; bits : positive) return std_ulogic is
-    alias value_a : signed(value'length - 1 downto 0) is value;
+  function overflows (
+    value : signed;
+    bits : positive
+  ) return std_ulogic is
+
+    alias    value_a   : signed(value'length - 1 downto 0) is value;
     variable differs_v : std_ulogic := '0';
+
   begin
+
     -- All bits from the new sign bit upwards must be equal.
     for i in bits to value_a'high loop
+
       differs_v := differs_v or (value_a(i) xor value_a(bits - 1));
+
     end loop;
+
     return differs_v;
+
   end function overflows;
 
-  function saturate (value : signed; bits : positive) return signed is
-    alias value_a : signed(value'length - 1 downto 0) is value;
+  function saturate (
+    value : signed;
+    bits : positive
+  ) return signed is
+
+    alias    value_a : signed(value'length - 1 downto 0) is value;
     variable limit_v : signed(bits - 1 downto 0);
+
   begin
+
     if overflows(value, bits) = '0' then
       return resize(value, bits);
     end if;
-    limit_v := (others => not value_a(value_a'high));
+
+    limit_v           := (others => not value_a(value_a'high));
     limit_v(bits - 1) := value_a(value_a'high);
     return limit_v;
+
   end function saturate;
 
 end package body gc_fixed_pkg;

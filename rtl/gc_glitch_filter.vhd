@@ -9,7 +9,7 @@
 -- Latency: samples_g clocks. samples_g = 1 is a register; samples_g = 0 is wires (no latency, nothing dropped).
 
 library ieee;
-use ieee.std_logic_1164.all;
+  use ieee.std_logic_1164.all;
 
 entity gc_glitch_filter is
   generic (
@@ -17,43 +17,47 @@ entity gc_glitch_filter is
     samples_g : natural := 4
   );
   port (
-    clk : in std_ulogic;
-    rst : in std_ulogic;
-    in_valid : in std_ulogic;
-    in_level : in std_ulogic;
-    out_valid : out std_ulogic;
-    out_level : out std_ulogic;
+    clk         : in    std_ulogic;
+    rst         : in    std_ulogic;
+    in_valid    : in    std_ulogic;
+    in_level    : in    std_ulogic;
+    out_valid   : out   std_ulogic;
+    out_level   : out   std_ulogic;
     -- a pulse was too short and was dropped, one clock
-    out_dropped : out std_ulogic
+    out_dropped : out   std_ulogic
   );
-end entity;
+end entity gc_glitch_filter;
 
 architecture rtl of gc_glitch_filter is
+
 begin
 
   g_wires : if samples_g = 0 generate
 
-    out_valid <= in_valid;
-    out_level <= in_level;
+    out_valid   <= in_valid;
+    out_level   <= in_level;
     out_dropped <= '0';
 
   else generate
 
-    signal known : std_ulogic := '0';
-    signal level : std_ulogic := '0';
+    signal known   : std_ulogic := '0';
+    signal level   : std_ulogic := '0';
     signal dropped : std_ulogic := '0';
     -- successive samples: equal to level while it is being learnt, different from level afterwards
-    signal run : natural range 0 to samples_g := 0;
+    signal run     : natural range 0 to samples_g := 0;
 
   begin
 
-    out_valid <= known;
-    out_level <= level;
+    out_valid   <= known;
+    out_level   <= level;
     out_dropped <= dropped;
 
-    p_filter : process (clk)
+    p_filter : process (clk) is
+
       variable run_v : natural range 0 to samples_g;
+
     begin
+
       if rising_edge(clk) then
         dropped <= '0';
 
@@ -79,13 +83,14 @@ begin
         run <= run_v;
 
         if rst = '1' or in_valid = '0' then
-          known <= '0';
-          run <= 0;
+          known   <= '0';
+          run     <= 0;
           dropped <= '0';
         end if;
       end if;
-    end process;
 
-  end generate;
+    end process p_filter;
 
-end architecture;
+  end generate g_wires;
+
+end architecture rtl;

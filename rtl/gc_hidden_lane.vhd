@@ -36,8 +36,8 @@ end entity gc_hidden_lane;
 
 architecture rtl of gc_hidden_lane is
 
-  constant sum_bits_c  : positive := hidden_sum_bits_c;
-  constant bias_low_c  : positive := inputs_c * operand_bits_c;
+  constant sum_bits_c     : positive := hidden_sum_bits_c;
+  constant bias_low_c     : positive := inputs_c * operand_bits_c;
   constant product_bits_c : positive := 2 * operand_bits_c;
 
   signal word      : std_ulogic_vector(hidden_word_bits_c - 1 downto 0);
@@ -68,6 +68,7 @@ begin
     );
 
   -- stages 1 and 2: multiply
+
   g_input : for i in 0 to inputs_c - 1 generate
     signal product_2 : signed(product_bits_c - 1 downto 0);
   begin
@@ -92,10 +93,12 @@ begin
 
   p_bias : process (clk) is
   begin
+
     if rising_edge(clk) then
       bias_1 <= signed(word(bias_low_c + sum_bits_c - 1 downto bias_low_c));
       bias_2 <= bias_1;
     end if;
+
   end process p_bias;
 
   terms_2((inputs_c + 1) * sum_bits_c - 1 downto inputs_c * sum_bits_c) <= bias_2;
@@ -117,6 +120,7 @@ begin
   -- last stage: truncate and saturate
   p_saturate : process (clk) is
   begin
+
     if rising_edge(clk) then
       a       <= saturate(truncate(sum, preactivation_drop_c, sum_bits_c - preactivation_drop_c), operand_bits_c);
       valid_a <= sum_valid;
@@ -124,6 +128,7 @@ begin
         valid_a <= '0';
       end if;
     end if;
+
   end process p_saturate;
 
   out_valid <= valid_a;

@@ -47,12 +47,16 @@ architecture rtl of gc_input_scaler is
 begin
 
   -- stage 1: clamp; holds until the next count, as gc_scale asks
+
   g_clamp : for i in 0 to inputs_c - 1 generate
 
     p_clamp : process (clk) is
+
       variable count_v   : signed(count_bits_c - 1 downto 0);
       variable clamped_v : std_ulogic;
+
     begin
+
       if rising_edge(clk) then
         if in_valid = '1' then
           count_v   := in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
@@ -65,22 +69,25 @@ begin
             clamped_v := '0';
           end if;
           code_1((i + 1) * operand_bits_c - 1 downto i * operand_bits_c)
-            <= truncate(count_v, count_shift_c, operand_bits_c);
+                       <= truncate(count_v, count_shift_c, operand_bits_c);
           clamped_1(i) <= clamped_v;
         end if;
       end if;
+
     end process p_clamp;
 
   end generate g_clamp;
 
   p_valid : process (clk) is
   begin
+
     if rising_edge(clk) then
       valid_1 <= in_valid;
       if rst = '1' then
         valid_1 <= '0';
       end if;
     end if;
+
   end process p_valid;
 
   -- stages 2 and 3: multiply
@@ -101,8 +108,8 @@ begin
 
   g_x : for i in 0 to inputs_c - 1 generate
     out_x((i + 1) * operand_bits_c - 1 downto i * operand_bits_c)
-      <= truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), input_scale_fraction_c,
-                  operand_bits_c);
+ <= truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), input_scale_fraction_c,
+             operand_bits_c);
   end generate g_x;
 
   i_flags : entity work.gc_delay

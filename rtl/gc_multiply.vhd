@@ -41,11 +41,12 @@ begin
 
   p_multiply : process (clk) is
   begin
+
     if rising_edge(clk) then
       -- stage 1
-      a_1     <= in_a;
-      b_1     <= in_b;
-      valid_1 <= in_valid;
+      a_1       <= in_a;
+      b_1       <= in_b;
+      valid_1   <= in_valid;
       -- stage 2
       product_2 <= a_1 * b_1;
       valid_2   <= valid_1;
@@ -54,6 +55,7 @@ begin
         valid_2 <= '0';
       end if;
     end if;
+
   end process p_multiply;
 
   out_valid   <= valid_2;

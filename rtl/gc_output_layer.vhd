@@ -40,18 +40,19 @@ architecture rtl of gc_output_layer is
   constant sum_bits_c     : positive := output_sum_bits_c;
   constant product_bits_c : positive := 2 * operand_bits_c;
 
-  signal valid_2   : std_ulogic_vector(lanes_g * outputs_c - 1 downto 0);
+  signal valid_2    : std_ulogic_vector(lanes_g * outputs_c - 1 downto 0);
   -- Output-major: the terms of one output are neighbours.
-  signal terms_2   : signed(outputs_c * lanes_g * sum_bits_c - 1 downto 0);
-  signal tree      : signed(outputs_c * sum_bits_c - 1 downto 0);
+  signal terms_2    : signed(outputs_c * lanes_g * sum_bits_c - 1 downto 0);
+  signal tree       : signed(outputs_c * sum_bits_c - 1 downto 0);
   signal tree_valid : std_ulogic_vector(outputs_c - 1 downto 0);
-  signal step      : natural range 0 to steps_c - 1 := 0;
-  signal valid_acc : std_ulogic := '0';
-  signal acc       : signed(outputs_c * sum_bits_c - 1 downto 0);
+  signal step       : natural range 0 to steps_c - 1 := 0;
+  signal valid_acc  : std_ulogic                     := '0';
+  signal acc        : signed(outputs_c * sum_bits_c - 1 downto 0);
 
 begin
 
   -- stages 1 and 2: multiply
+
   g_lane : for lane in 0 to lanes_g - 1 generate
     signal word : std_ulogic_vector(output_word_bits_c - 1 downto 0);
   begin
@@ -72,8 +73,8 @@ begin
       );
 
     g_output : for k in 0 to outputs_c - 1 generate
-      constant term_c : natural := k * lanes_g + lane;
-      signal product_2 : signed(product_bits_c - 1 downto 0);
+      constant term_c    : natural := k * lanes_g + lane;
+      signal   product_2 : signed(product_bits_c - 1 downto 0);
     begin
 
       i_multiply : entity work.gc_multiply
@@ -97,6 +98,7 @@ begin
   end generate g_lane;
 
   -- one stage per level: sum over the lanes
+
   g_tree : for k in 0 to outputs_c - 1 generate
 
     i_tree : entity work.gc_adder_tree
@@ -116,11 +118,15 @@ begin
   end generate g_tree;
 
   -- last stage: accumulate, from the bias
+
   g_accumulate : for k in 0 to outputs_c - 1 generate
 
     p_accumulate : process (clk) is
+
       variable sum_v : signed(sum_bits_c - 1 downto 0);
+
     begin
+
       if rising_edge(clk) then
         if tree_valid(0) = '1' then
           sum_v := acc((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
@@ -128,15 +134,17 @@ begin
             sum_v := output_bias_c((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
           end if;
           acc((k + 1) * sum_bits_c - 1 downto k * sum_bits_c)
-            <= sum_v + tree((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
+ <= sum_v + tree((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
         end if;
       end if;
+
     end process p_accumulate;
 
   end generate g_accumulate;
 
   p_step : process (clk) is
   begin
+
     if rising_edge(clk) then
       valid_acc <= '0';
       if tree_valid(0) = '1' then
@@ -152,6 +160,7 @@ begin
         valid_acc <= '0';
       end if;
     end if;
+
   end process p_step;
 
   out_valid <= valid_acc;

@@ -47,31 +47,38 @@ architecture rtl of gc_output_scaler is
 begin
 
   -- stage 1: truncate and saturate; holds until the next sum, as gc_scale asks
+
   g_saturate : for i in 0 to outputs_c - 1 generate
 
     p_saturate : process (clk) is
+
       variable total_v : signed(kept_bits_c - 1 downto 0);
+
     begin
+
       if rising_edge(clk) then
         if in_valid = '1' then
-          total_v := truncate(in_total((i + 1) * output_sum_bits_c - 1 downto i * output_sum_bits_c), output_drop_c,
-                              kept_bits_c);
+          total_v                                                     := truncate(in_total((i + 1) * output_sum_bits_c - 1 downto i * output_sum_bits_c), output_drop_c,
+                                                                                  kept_bits_c);
           y_1((i + 1) * operand_bits_c - 1 downto i * operand_bits_c) <= saturate(total_v, operand_bits_c);
-          saturated_1(i) <= overflows(total_v, operand_bits_c);
+          saturated_1(i)                                              <= overflows(total_v, operand_bits_c);
         end if;
       end if;
+
     end process p_saturate;
 
   end generate g_saturate;
 
   p_valid : process (clk) is
   begin
+
     if rising_edge(clk) then
       valid_1 <= in_valid;
       if rst = '1' then
         valid_1 <= '0';
       end if;
     end if;
+
   end process p_valid;
 
   -- stages 2 and 3: multiply
@@ -92,8 +99,8 @@ begin
 
   g_force : for i in 0 to outputs_c - 1 generate
     out_force((i + 1) * force_bits_c - 1 downto i * force_bits_c)
-      <= truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), output_scale_fraction_c,
-                  force_bits_c);
+ <= truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), output_scale_fraction_c,
+             force_bits_c);
   end generate g_force;
 
   i_flags : entity work.gc_delay

@@ -35,7 +35,7 @@ end entity gc_scale;
 
 architecture rtl of gc_scale is
 
-  constant product_bits_c : positive := 2 * operand_bits_c;
+  constant product_bits_c : positive                                       := 2 * operand_bits_c;
   constant factors_c      : signed(values_g * operand_bits_c - 1 downto 0) := factors_g;
 
 begin
@@ -88,14 +88,19 @@ begin
     -- A loop of constant slices: no synthesis tool stumbles over it.
     p_select : process (all) is
     begin
+
       value  <= in_values(operand_bits_c - 1 downto 0);
       factor <= factors_c(operand_bits_c - 1 downto 0);
+
       for i in 1 to last_c loop
+
         if turn = i then
           value  <= in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
           factor <= factors_c((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
         end if;
+
       end loop;
+
     end process p_select;
 
     i_multiply : entity work.gc_multiply
@@ -115,6 +120,7 @@ begin
 
     p_collect : process (clk) is
     begin
+
       if rising_edge(clk) then
         if turn = last_c then
           turn <= 0;
@@ -138,6 +144,7 @@ begin
           valid   <= '0';
         end if;
       end if;
+
     end process p_collect;
 
     out_valid    <= valid;

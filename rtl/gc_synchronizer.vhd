@@ -7,30 +7,30 @@
 -- Latency: stages_g clocks, the sampling edge included.
 
 library ieee;
-use ieee.std_logic_1164.all;
+  use ieee.std_logic_1164.all;
 
 entity gc_synchronizer is
   generic (
     -- number of independent bits
-    width_g : positive := 1;
+    width_g  : positive := 1;
     -- flip-flops in series, at least 2
     stages_g : positive := 2
   );
   port (
-    clk : in std_ulogic;
-    rst : in std_ulogic;
+    clk        : in    std_ulogic;
+    rst        : in    std_ulogic;
     -- pins, asynchronous to clk
-    async_data : in std_ulogic_vector(width_g - 1 downto 0);
-    out_valid : out std_ulogic := '0';
-    out_data : out std_ulogic_vector(width_g - 1 downto 0)
+    async_data : in    std_ulogic_vector(width_g - 1 downto 0);
+    out_valid  : out   std_ulogic := '0';
+    out_data   : out   std_ulogic_vector(width_g - 1 downto 0)
   );
-end entity;
+end entity gc_synchronizer;
 
 architecture rtl of gc_synchronizer is
 
   type stages_t is array (1 to stages_g) of std_ulogic_vector(width_g - 1 downto 0);
 
-  signal stage : stages_t := (others => (others => '0'));
+  signal stage  : stages_t                         := (others => (others => '0'));
   signal filled : std_ulogic_vector(1 to stages_g) := (others => '0');
 
   -- Vivado keeps the chain together and out of shift-register LUTs; other tools ignore the attribute.
@@ -44,18 +44,20 @@ begin
     severity failure;
 
   out_valid <= filled(stages_g);
-  out_data <= stage(stages_g);
+  out_data  <= stage(stages_g);
 
-  p_synchronize : process (clk)
+  p_synchronize : process (clk) is
   begin
+
     if rising_edge(clk) then
-      stage <= async_data & stage(1 to stages_g - 1);
+      stage  <= async_data & stage(1 to stages_g - 1);
       filled <= '1' & filled(1 to stages_g - 1);
 
       if rst = '1' then
         filled <= (others => '0');
       end if;
     end if;
-  end process;
 
-end architecture;
+  end process p_synchronize;
+
+end architecture rtl;

@@ -45,15 +45,22 @@ architecture rtl of gc_weight_rom is
   type words_t is array (0 to depth_c - 1) of word_t;
 
   function lane_words return words_t is
-    alias table_a : std_ulogic_vector(table_g'length - 1 downto 0) is table_g;
+
+    alias    table_a : std_ulogic_vector(table_g'length - 1 downto 0) is table_g;
     variable words_v : words_t := (others => (others => '0'));
     variable low_v   : natural;
+
   begin
+
     for k in 0 to steps_c - 1 loop
+
       low_v      := (k * lanes_g + lane_g) * word_bits_g;
       words_v(k) := table_a(low_v + word_bits_g - 1 downto low_v);
+
     end loop;
+
     return words_v;
+
   end function lane_words;
 
   constant rom_c : words_t := lane_words;
@@ -76,8 +83,11 @@ begin
   begin
 
     p_rom : process (clk) is
+
       variable next_v : natural range 0 to depth_c;
+
     begin
+
       if rising_edge(clk) then
         next_v := address;
         if in_valid = '1' then
@@ -89,6 +99,7 @@ begin
         address <= next_v;
         word    <= rom_c(next_v);
       end if;
+
     end process p_rom;
 
     out_word <= word;

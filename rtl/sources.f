@@ -16,3 +16,4 @@ gc_output_layer.vhd
 gc_output_scaler.vhd
 gc_core.vhd
 gc_current_scaler.vhd
+gc_top.vhd

@@ -41,16 +41,19 @@ def simulate(
     name = "-".join([test_module, label, *(f"{k}{v}" for k, v in generics.items())])
     build_dir = BUILD / "tb" / re.sub(r"[^\w.-]", "_", name)
     build_dir.mkdir(parents=True, exist_ok=True)
-    log = build_dir / "run.log"
+    build_log, log = build_dir / "build.log", build_dir / "run.log"
     runner = get_runner("ghdl")
-    runner.build(
-        sources=[*rtl_sources(generated), *extra_sources],
-        hdl_toplevel=entity,
-        build_args=["--std=08"],
-        build_dir=build_dir,
-        always=True,
-        log_file=build_dir / "build.log",
-    )
+    try:
+        runner.build(
+            sources=[*rtl_sources(generated), *extra_sources],
+            hdl_toplevel=entity,
+            build_args=["--std=08"],
+            build_dir=build_dir,
+            always=True,
+            log_file=build_log,
+        )
+    except RuntimeError as stop:
+        raise AssertionError(f"{name}: does not compile ({stop})\n{_tail(build_log)}") from None
     try:
         results = runner.test(
             hdl_toplevel=entity,

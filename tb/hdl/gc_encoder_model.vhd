@@ -12,30 +12,30 @@
 -- reversals and a change of target. Wraps modulo 2**32 and takes the shorter way.
 
 library ieee;
-use ieee.std_logic_1164.all;
-use ieee.numeric_std.all;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
 
 entity gc_encoder_model is
   port (
-    clk : in std_ulogic;
+    clk             : in    std_ulogic;
     -- position to walk to, counts
-    target : in signed(31 downto 0) := (others => '0');
+    target          : in    signed(31 downto 0)   := (others => '0');
     -- clocks from edge to edge, at least 1
-    clocks_per_edge : in unsigned(15 downto 0) := x"0001";
+    clocks_per_edge : in    unsigned(15 downto 0) := x"0001";
     -- preset, one clock
-    load : in std_ulogic := '0';
-    load_count : in signed(31 downto 0) := (others => '0');
+    load            : in    std_ulogic            := '0';
+    load_count      : in    signed(31 downto 0)   := (others => '0');
     -- position of the index, counts
-    index_count : in signed(31 downto 0) := (31 => '1', others => '0');
-    a : out std_ulogic;
-    b : out std_ulogic;
-    z : out std_ulogic;
+    index_count     : in    signed(31 downto 0)   := (31 => '1', others => '0');
+    a               : out   std_ulogic;
+    b               : out   std_ulogic;
+    z               : out   std_ulogic;
     -- true position, counts
-    count : out signed(31 downto 0) := (others => '0');
+    count           : out   signed(31 downto 0)   := (others => '0');
     -- count differs from target
-    busy : out std_ulogic
+    busy            : out   std_ulogic
   );
-end entity;
+end entity gc_encoder_model;
 
 architecture sim of gc_encoder_model is
 
@@ -43,26 +43,30 @@ architecture sim of gc_encoder_model is
 
 begin
 
-  a <= count(0) xor count(1);
-  b <= count(1);
-  z <= '1' when count = index_count else '0';
+  a    <= count(0) xor count(1);
+  b    <= count(1);
+  z    <= '1' when count = index_count else '0';
   busy <= '1' when count /= target else '0';
 
-  p_walk : process (clk)
+  p_walk : process (clk) is
+
     variable distance_v : signed(31 downto 0);
+
   begin
+
     if rising_edge(clk) then
       distance_v := target - count;
       if wait_clocks > 0 then
         wait_clocks <= wait_clocks - 1;
       elsif load = '0' and distance_v /= 0 then
-        count <= count - 1 when distance_v < 0 else count + 1;
+        count       <= count - 1 when distance_v < 0 else count + 1;
         wait_clocks <= clocks_per_edge - 1;
       end if;
       if load = '1' then
         count <= load_count(31 downto 2) & count(1 downto 0);
       end if;
     end if;
-  end process;
 
-end architecture;
+  end process p_walk;
+
+end architecture sim;

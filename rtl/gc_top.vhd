@@ -1,0 +1,199 @@
+-- SPDX-License-Identifier: MIT
+--
+-- Encoder pins in, force and current commands out: one decoder per axis, the network, currents i = f / K_t.
+--
+-- Latency from accepted in_valid to out_valid: that of gc_core and 4 clocks; from a pin to the count: see
+-- gc_quad_decoder. Overflow and illegal input: see the status ports; none is silent.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_network_pkg.all;
+
+entity gc_top is
+  generic (
+    -- Neurons per clock; must divide the hidden size.
+    lanes_g          : positive := 4;
+    -- Clocks that an encoder level must last, 0 = no filter.
+    filter_samples_g : natural  := 4;
+    -- Clocks without an edge that count as standstill.
+    speed_timeout_g  : positive := 10_000_000
+  );
+  port (
+    clk                : in    std_ulogic;
+    -- Synchronous, active high.
+    rst                : in    std_ulogic;
+    -- Encoder pins, asynchronous, axis 1 lowest.
+    pin_a              : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_b              : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_z              : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    -- A rising edge arms homing of the axis, '0' disarms it.
+    cfg_home_enable    : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Count at the index, encoder counts, axis 1 lowest.
+    cfg_index_position : in    signed(inputs_c * count_bits_c - 1 downto 0);
+    -- Clears the encoder flags.
+    cfg_clear          : in    std_ulogic;
+    -- Start of an inference on the counts of this clock, taken in a clock with in_ready.
+    in_valid           : in    std_ulogic;
+    in_ready           : out   std_ulogic;
+    -- One clock per result; forces in mN and currents in uA hold until the next, axis 1 lowest.
+    out_valid          : out   std_ulogic;
+    out_force          : out   signed(outputs_c * force_bits_c - 1 downto 0);
+    out_current        : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    -- Count was outside the trained range, output saturated: with out_valid, held likewise.
+    out_clamped        : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    out_saturated      : out   std_ulogic_vector(outputs_c - 1 downto 0);
+    -- Encoder counts, axis 1 lowest.
+    sts_count          : out   signed(inputs_c * count_bits_c - 1 downto 0);
+    -- Direction of the last count, '1' = up.
+    sts_direction      : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Clocks per 4 counts, negative when counting down, axis 1 lowest; see gc_speed_meter.
+    sts_speed_period   : out   signed(inputs_c * 32 - 1 downto 0);
+    sts_speed_valid    : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_speed_zero     : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Count refers to the index.
+    sts_referenced     : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Counts are missing; a pulse was dropped: since the last cfg_clear.
+    sts_illegal        : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_glitch         : out   std_ulogic_vector(inputs_c - 1 downto 0)
+  );
+end entity gc_top;
+
+architecture rtl of gc_top is
+
+  signal count         : signed(inputs_c * count_bits_c - 1 downto 0);
+  signal count_valid   : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal counts_valid  : std_ulogic;
+  signal start         : std_ulogic;
+  signal core_ready    : std_ulogic;
+  signal core_valid    : std_ulogic;
+  signal force_mn      : signed(outputs_c * force_bits_c - 1 downto 0);
+  signal clamped       : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal saturated     : std_ulogic_vector(outputs_c - 1 downto 0);
+  -- Results of the core for the three clocks of the current scaler.
+  signal result        : std_ulogic_vector(force_mn'length + inputs_c + outputs_c - 1 downto 0);
+  signal result_3      : std_ulogic_vector(force_mn'length + inputs_c + outputs_c - 1 downto 0);
+  signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
+  signal current_valid : std_ulogic;
+  signal valid         : std_ulogic := '0';
+
+begin
+
+  g_decoder : for i in 0 to inputs_c - 1 generate
+
+    i_decoder : entity work.gc_quad_decoder
+      generic map (
+        filter_samples_g => filter_samples_g,
+        speed_timeout_g  => speed_timeout_g
+      )
+      port map (
+        clk                => clk,
+        rst                => rst,
+        a                  => pin_a(i),
+        b                  => pin_b(i),
+        z                  => pin_z(i),
+        cfg_home_enable    => cfg_home_enable(i),
+        cfg_index_position => cfg_index_position((i + 1) * count_bits_c - 1 downto i * count_bits_c),
+        cfg_clear          => cfg_clear,
+        count_valid        => count_valid(i),
+        count              => count((i + 1) * count_bits_c - 1 downto i * count_bits_c),
+        direction          => sts_direction(i),
+        speed_valid        => sts_speed_valid(i),
+        speed_zero         => sts_speed_zero(i),
+        speed_period       => sts_speed_period((i + 1) * 32 - 1 downto i * 32),
+        sts_referenced     => sts_referenced(i),
+        sts_illegal        => sts_illegal(i),
+        sts_glitch         => sts_glitch(i)
+      );
+
+  end generate g_decoder;
+
+  p_counts_valid : process (all) is
+
+    variable all_v : std_ulogic;
+
+  begin
+
+    all_v := '1';
+
+    for i in count_valid'range loop
+
+      all_v := all_v and count_valid(i);
+
+    end loop;
+
+    counts_valid <= all_v;
+
+  end process p_counts_valid;
+
+  start    <= in_valid and counts_valid;
+  in_ready <= core_ready and counts_valid;
+
+  i_core : entity work.gc_core
+    generic map (
+      lanes_g => lanes_g
+    )
+    port map (
+      clk           => clk,
+      rst           => rst,
+      in_valid      => start,
+      in_ready      => core_ready,
+      in_count      => count,
+      out_valid     => core_valid,
+      out_force     => force_mn,
+      out_clamped   => clamped,
+      out_saturated => saturated
+    );
+
+  i_current : entity work.gc_current_scaler
+    port map (
+      clk         => clk,
+      rst         => rst,
+      in_valid    => core_valid,
+      in_force    => force_mn,
+      out_valid   => current_valid,
+      out_current => current
+    );
+
+  result <= std_ulogic_vector(force_mn) & clamped & saturated;
+
+  i_result : entity work.gc_delay
+    generic map (
+      bits_g   => result'length,
+      clocks_g => 3
+    )
+    port map (
+      clk      => clk,
+      in_data  => result,
+      out_data => result_3
+    );
+
+  -- Commands hold between results: a drive never sees what is under way.
+  p_hold : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      valid <= current_valid;
+      if current_valid = '1' then
+        out_current   <= current;
+        out_force     <= signed(result_3(result_3'high downto inputs_c + outputs_c));
+        out_clamped   <= result_3(inputs_c + outputs_c - 1 downto outputs_c);
+        out_saturated <= result_3(outputs_c - 1 downto 0);
+      end if;
+      if rst = '1' then
+        valid         <= '0';
+        out_current   <= (others => '0');
+        out_force     <= (others => '0');
+        out_clamped   <= (others => '0');
+        out_saturated <= (others => '0');
+      end if;
+    end if;
+
+  end process p_hold;
+
+  out_valid <= valid;
+  sts_count <= count;
+
+end architecture rtl;

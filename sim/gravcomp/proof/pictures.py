@@ -1,0 +1,117 @@
+"""Pictures of the proof: maps of the force error over the workspace, and a simulated run read from its VCD."""
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from gravcomp.files import write_atomically
+from gravcomp.network import bittrue
+from gravcomp.network.quantise import FixedNetwork
+from gravcomp.proof.poses import counts_at
+from gravcomp.robot.parameters import RobotParameters
+from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.workspace import pose
+
+RUN_SCOPE = "gc_top_bench.i_top"
+AXIS_COLOURS = ("tab:blue", "tab:orange", "tab:green")
+
+
+def save_figure(figure, path: Path) -> None:
+    """Write a Matplotlib figure as PNG, whole or not at all."""
+    image = io.BytesIO()
+    figure.savefig(image, format="png", dpi=120, bbox_inches="tight")
+    write_atomically(path, image.getvalue())
+
+
+def error_maps(fixed: FixedNetwork, p: RobotParameters, torsions_deg=(0.0, 15.0)):
+    """Norm of the force error of the fixed-point core against the statics over azimuth and tilt, one map per torsion.
+
+    The maps of the paper's figures 6 and 7. Returns a Matplotlib figure.
+    """
+    from matplotlib.figure import Figure
+
+    azimuth = np.linspace(0.0, 2.0 * np.pi, 181)
+    tilt_deg = np.linspace(0.0, p.tilt_max_deg, 71)
+    error = [_error_norm(fixed, p, azimuth, tilt_deg, torsion) for torsion in torsions_deg]
+    figure = Figure(figsize=(11, 5.2), layout="constrained")
+    top = max(float(e.max()) for e in error)
+    for k, (norm, torsion) in enumerate(zip(error, torsions_deg, strict=True)):
+        axes = figure.add_subplot(1, len(error), k + 1, projection="polar")
+        mesh = axes.pcolormesh(azimuth, tilt_deg, norm, vmin=0.0, vmax=top, cmap="viridis", shading="gouraud")
+        axes.set_title(f"torsion {torsion:.0f}°: mean {norm.mean():.3f} N, largest {norm.max():.3f} N")
+        axes.set_yticks([10, 20, 30], ["10°", "20°", "30°"], color="white")
+        axes.grid(color="white", alpha=0.3)
+    figure.colorbar(mesh, ax=figure.axes, label="|force error| of the core against the statics, N")
+    figure.suptitle("Error over the workspace: angle is the azimuth, radius the tilt")
+    return figure
+
+
+def _error_norm(fixed, p, azimuth, tilt_deg, torsion_deg) -> np.ndarray:
+    rotation = pose(azimuth[None, :], np.deg2rad(tilt_deg)[:, None], np.deg2rad(torsion_deg))
+    counts = counts_at(rotation, p)
+    statics_n = holding_forces_at(counts * p.encoder_m_per_count, p)
+    return np.linalg.norm(bittrue.core(counts, fixed).force_mn / 1000.0 - statics_n, axis=-1)
+
+
+def run_picture(vcd: Path, n_axes: int, force_bits: int):
+    """A run of gc_top from its VCD: counts and forces of the whole run, pins and handshake of one inference.
+
+    Returns a Matplotlib figure.
+    """
+    from matplotlib.figure import Figure
+
+    waves = _Waves(vcd)
+    valid_at = waves.times_of("out_valid", 1)
+    middle = valid_at[len(valid_at) // 2]
+    end_ms = waves.end_ms
+    figure = Figure(figsize=(12, 7), layout="constrained")
+    left = figure.add_gridspec(1, 2)[0].subgridspec(3, 1, height_ratios=(3, 3, 1))
+    right = figure.add_gridspec(1, 2)[1].subgridspec(5, 1)
+    _steps(figure.add_subplot(left[0]), waves, "sts_count", n_axes, 32, "encoder counts", end_ms)
+    _steps(figure.add_subplot(left[1]), waves, "out_force", n_axes, force_bits, "force, mN", end_ms)
+    axes = figure.add_subplot(left[2])
+    axes.vlines(valid_at, 0, 1, color="black")
+    axes.set(xlim=(0, end_ms), yticks=[], ylabel="results", xlabel="time, ms")
+    figure.axes[0].set_title("the run")
+    window = (middle - 0.25, middle + 0.05)
+    for row, (name, label) in enumerate(
+        [("pin_a", "A, axis 1"), ("pin_b", "B, axis 1"), ("in_valid", "in_valid"), ("out_valid", "out_valid")]
+    ):
+        axes = figure.add_subplot(right[row])
+        times, values = waves.signal(name, lambda word: word & 1)
+        axes.step(times, values, where="post", color="black")
+        axes.set(xlim=window, ylim=(-0.2, 1.3), yticks=[0, 1], ylabel=label, xticklabels=[])
+    axes = figure.add_subplot(right[4])
+    times, values = waves.signal("out_force", lambda word: _field(word, 0, force_bits))
+    axes.step(times, values, where="post", color=AXIS_COLOURS[0])
+    axes.set(xlim=window, ylabel="force 1, mN", xlabel="time, ms")
+    figure.axes[3].set_title("one inference: the pins rest, counts go in, forces come out")
+    return figure
+
+
+def _steps(axes, waves, name: str, n_axes: int, bits: int, label: str, end_ms: float) -> None:
+    for i in range(n_axes):
+        times, values = waves.signal(name, lambda word, i=i: _field(word, i, bits))
+        axes.step(times, values, where="post", label=f"axis {i + 1}", color=AXIS_COLOURS[i % len(AXIS_COLOURS)])
+    axes.set(xlim=(0, end_ms), ylabel=label, xticklabels=[])
+    axes.legend(loc="best", ncols=n_axes)
+
+
+def _field(word: int, index: int, bits: int) -> int:
+    value = word >> index * bits & (1 << bits) - 1
+    return value - (1 << bits) if value >> bits - 1 else value
+
+
+class _Waves:
+    """Changes of the signals of one scope of a VCD; time in ms, words as unsigned integers."""
+
+    def __init__(self, vcd: Path):
+        import pywellen
+
+        self._waveform = pywellen.Waveform(str(vcd))
+        print(dir(self._waveform))
+
+    def signal(self, name: str, decode: Callable[[int], int]):
+        raise NotImplementedError

@@ -1,0 +1,171 @@
+"""gc_top end to end: real robot poses through the encoder pins; every force and current equals the bit-true model.
+
+Leaves what the core answered in build/sim/, from which `make sim` prints its table and draws its pictures.
+"""
+
+import csv
+import os
+import time
+from collections.abc import Callable
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge
+
+from codes import ROOT, fixed_network, pack, unpack
+from gravcomp.network import bittrue
+from gravcomp.network.quantise import COUNT_BITS, CURRENT_BITS, FORCE_BITS
+from gravcomp.proof.poses import motion, pose_sets
+from gravcomp.robot.parameters import load_parameters
+from runner import BUILD, simulate
+
+RESULTS = BUILD / "sim"
+CLOCKS_PER_EDGE = 4
+CLOCKS_PER_PERIOD = 600  # of 1 ms: the slowest clock that keeps up with the edges is the cheapest to simulate
+CLOCK_NS = 2 * round(1e6 / CLOCKS_PER_PERIOD / 2)
+TRAVEL_CLOCKS = 1000  # the longest way between two poses here
+INFERENCE_CLOCKS = 100
+DECODER_CLOCKS = 12  # synchroniser, filter and count, with some to spare
+
+
+class Bench:
+    """The axes and the core of gc_top_bench."""
+
+    def __init__(self, dut):
+        self.dut = dut
+        self.n_clocks = 0
+
+    async def start(self) -> None:
+        Clock(self.dut.clk, CLOCK_NS, "ns").start(start_high=False)
+        for port in ("target", "index_count", "load", "home_enable", "in_valid"):
+            getattr(self.dut, port).value = 0
+        self.dut.clocks_per_edge.value = CLOCKS_PER_EDGE
+        self.dut.rst.value = 1
+        await self.clocks(4)
+        self.dut.rst.value = 0
+        await self.clocks(DECODER_CLOCKS)
+
+    async def clocks(self, n: int) -> None:
+        self.n_clocks += n
+        for _ in range(n):
+            await FallingEdge(self.dut.clk)
+
+    async def until(self, is_true: Callable[[], bool], most_clocks: int) -> None:
+        for _ in range(most_clocks):
+            if is_true():
+                return
+            await self.clocks(1)
+        raise AssertionError(f"waited {most_clocks} clocks in vain")
+
+    async def home_near(self, counts: np.ndarray) -> None:
+        """Home the axes at indices beside the counts: a jump of whole encoder cycles, the last edges on the pins."""
+        index = counts - (counts - 2) % 4  # the decoder takes the index in phase 2
+        self.dut.index_count.value = self.dut.target.value = pack(index, COUNT_BITS)
+        self.dut.load.value = 1
+        self.dut.home_enable.value = 0
+        await self.clocks(1)
+        self.dut.load.value = 0
+        self.dut.home_enable.value = 1
+        await self.walk_to(index)
+        assert self.dut.sts_referenced.value == 2 ** len(counts) - 1
+
+    async def walk_to(self, counts: np.ndarray) -> None:
+        self.dut.target.value = pack(counts, COUNT_BITS)
+        await self.clocks(1)
+        await self.until(lambda: self.dut.busy.value == 0, TRAVEL_CLOCKS)
+        await self.clocks(DECODER_CLOCKS)
+
+    async def infer(self) -> list[int]:
+        """Run one inference; returns the packed count, force, current and flags."""
+        self.dut.in_valid.value = 1
+        assert self.dut.in_ready.value == 1
+        count = int(self.dut.sts_count.value)
+        await self.clocks(1)
+        self.dut.in_valid.value = 0
+        await self.until(lambda: self.dut.out_valid.value == 1, INFERENCE_CLOCKS)
+        outputs = (self.dut.out_force, self.dut.out_current, self.dut.out_clamped, self.dut.out_saturated)
+        return [count, *(int(port.value) for port in outputs)]
+
+
+def check_and_save(name: str, sets: list[str], counts: np.ndarray, answers: list[list[int]]) -> None:
+    """Assert that every answer equals the bit-true model, then write build/sim/<name>.csv."""
+    fixed, n = fixed_network(), counts.shape[1]
+    count, force, current, clamped, saturated = (list(column) for column in zip(*answers, strict=True))
+    np.testing.assert_array_equal(unpack(count, COUNT_BITS, n), counts)
+    expected = bittrue.core(counts, fixed)
+    force_mn = unpack(force, FORCE_BITS, n)
+    np.testing.assert_array_equal(force_mn, expected.force_mn)
+    np.testing.assert_array_equal(unpack(current, CURRENT_BITS, n), bittrue.current_scaler(expected.force_mn, fixed))
+    np.testing.assert_array_equal(unpack(clamped, 1, n) != 0, expected.clamped)
+    np.testing.assert_array_equal(unpack(saturated, 1, n) != 0, expected.saturated)
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    with (RESULTS / f"{name}.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["set", *(f"count{i + 1}" for i in range(n)), *(f"f{i + 1}_mn" for i in range(n))])
+        writer.writerows([s, *c, *f] for s, c, f in zip(sets, counts.tolist(), force_mn.tolist(), strict=True))
+
+
+@cocotb.test()
+async def poses(dut):
+    sets = pose_sets(load_parameters())
+    names = [name for name, counts in sets.items() for _ in counts]
+    counts = np.concatenate(list(sets.values()))
+    bench, answers, began = Bench(dut), [], time.perf_counter()
+    await bench.start()
+    for pose_counts in counts:
+        await bench.home_near(pose_counts)
+        await bench.walk_to(pose_counts)
+        answers.append(await bench.infer())
+    seconds = time.perf_counter() - began
+    print(f"MEASURED {len(counts)} poses, {bench.n_clocks} clocks, {bench.n_clocks / seconds:.0f} clocks/s")
+    check_and_save("poses", names, counts, answers)
+
+
+@cocotb.test()
+async def continuous_motion(dut):
+    name, n_poses = os.environ["RUN"], int(os.environ["POSES"])
+    counts = motion(load_parameters(), n_poses)
+    bench, answers = Bench(dut), []
+    await bench.start()
+    await bench.home_near(counts[0])
+    for pose_counts in counts:
+        period_ends = bench.n_clocks + CLOCKS_PER_PERIOD
+        await bench.walk_to(pose_counts)
+        answers.append(await bench.infer())
+        assert bench.n_clocks <= period_ends, "the motion is too fast for its period"
+        await bench.clocks(period_ends - bench.n_clocks)
+    assert dut.sts_illegal.value == 0
+    assert dut.sts_glitch.value == 0
+    check_and_save(name, [name] * n_poses, counts, answers)
+
+
+def simulate_top(cocotb_test: str, **options) -> None:
+    simulate(
+        "gc_top_bench",
+        "test_rtl_top",
+        tests=f"{cocotb_test}$",
+        label=options.pop("label", cocotb_test),
+        extra_sources=tuple(ROOT / "tb" / "hdl" / f"{name}.vhd" for name in ("gc_encoder_model", "gc_top_bench")),
+        **options,
+    )
+
+
+@pytest.mark.slow
+def test_top_equals_model_at_poses_of_the_workspace():
+    simulate_top("poses", generics={"lanes_g": 4})
+
+
+@pytest.mark.slow
+def test_top_follows_a_continuous_motion_without_losing_a_count():
+    environment = {"RUN": "motion", "POSES": "200"}
+    simulate_top("continuous_motion", generics={"lanes_g": 1}, environment=environment)
+
+
+def test_top_leaves_a_waveform_of_a_short_motion():
+    vcd = RESULTS / "run.vcd"
+    vcd.parent.mkdir(parents=True, exist_ok=True)
+    environment = {"RUN": "run", "POSES": "16"}
+    simulate_top("continuous_motion", label="vcd", generics={"lanes_g": 4}, environment=environment, vcd=vcd)
+    assert vcd.stat().st_size > 0
