@@ -126,7 +126,7 @@ async def poses(dut):
 @cocotb.test()
 async def continuous_motion(dut):
     name, n_poses = os.environ["RUN"], int(os.environ["POSES"])
-    counts = motion(load_parameters(), n_poses)
+    counts = motion(load_parameters(), n_poses, float(os.environ["START_S"]))
     bench, answers = Bench(dut), []
     await bench.start()
     await bench.home_near(counts[0])
@@ -159,13 +159,13 @@ def test_top_equals_model_at_poses_of_the_workspace():
 
 @pytest.mark.slow
 def test_top_follows_a_continuous_motion_without_losing_a_count():
-    environment = {"RUN": "motion", "POSES": "200"}
+    environment = {"RUN": "motion", "POSES": "200", "START_S": "0"}
     simulate_top("continuous_motion", generics={"lanes_g": 1}, environment=environment)
 
 
 def test_top_leaves_a_waveform_of_a_short_motion():
     vcd = RESULTS / "run.vcd"
     vcd.parent.mkdir(parents=True, exist_ok=True)
-    environment = {"RUN": "run", "POSES": "16"}
+    environment = {"RUN": "run", "POSES": "16", "START_S": "0.18"}
     simulate_top("continuous_motion", label="vcd", generics={"lanes_g": 4}, environment=environment, vcd=vcd)
     assert vcd.stat().st_size > 0

@@ -15,6 +15,7 @@ from gravcomp.robot.statics import holding_forces_at
 from gravcomp.robot.workspace import pose
 
 RUN_SCOPE = "gc_top_bench.i_top"
+SIGNALS = ("pin_a", "pin_b", "sts_count", "in_valid", "out_valid", "out_force")
 AXIS_COLOURS = ("tab:blue", "tab:orange", "tab:green")
 
 
@@ -63,39 +64,43 @@ def run_picture(vcd: Path, n_axes: int, force_bits: int):
     from matplotlib.figure import Figure
 
     waves = _Waves(vcd)
-    valid_at = waves.times_of("out_valid", 1)
-    middle = valid_at[len(valid_at) // 2]
-    end_ms = waves.end_ms
+    results = waves.rises("out_valid")
     figure = Figure(figsize=(12, 7), layout="constrained")
-    left = figure.add_gridspec(1, 2)[0].subgridspec(3, 1, height_ratios=(3, 3, 1))
-    right = figure.add_gridspec(1, 2)[1].subgridspec(5, 1)
-    _steps(figure.add_subplot(left[0]), waves, "sts_count", n_axes, 32, "encoder counts", end_ms)
-    _steps(figure.add_subplot(left[1]), waves, "out_force", n_axes, force_bits, "force, mN", end_ms)
-    axes = figure.add_subplot(left[2])
-    axes.vlines(valid_at, 0, 1, color="black")
-    axes.set(xlim=(0, end_ms), yticks=[], ylabel="results", xlabel="time, ms")
-    figure.axes[0].set_title("the run")
+    left, right = figure.add_gridspec(1, 2)
+    left, right = left.subgridspec(3, 1, height_ratios=(3, 3, 1)), right.subgridspec(5, 1)
+    counts = figure.add_subplot(left[0], title="the run", ylabel="change of the encoder counts")
+    _plot_axes(counts, waves, "sts_count", n_axes, 32, results[0])
+    forces = figure.add_subplot(left[1], sharex=counts, ylabel="change of the forces, mN")
+    _plot_axes(forces, waves, "out_force", n_axes, force_bits, results[0])
+    ticks = figure.add_subplot(left[2], sharex=counts, yticks=[], ylabel="results", xlabel="time, ms")
+    ticks.vlines(results, 0, 1, color="black")
+    middle = results[len(results) // 2]
     window = (middle - 0.25, middle + 0.05)
     for row, (name, label) in enumerate(
         [("pin_a", "A, axis 1"), ("pin_b", "B, axis 1"), ("in_valid", "in_valid"), ("out_valid", "out_valid")]
     ):
-        axes = figure.add_subplot(right[row])
-        times, values = waves.signal(name, lambda word: word & 1)
-        axes.step(times, values, where="post", color="black")
-        axes.set(xlim=window, ylim=(-0.2, 1.3), yticks=[0, 1], ylabel=label, xticklabels=[])
-    axes = figure.add_subplot(right[4])
+        axes = figure.add_subplot(right[row], xlim=window, ylim=(-0.2, 1.3), yticks=[0, 1], ylabel=label)
+        axes.step(*waves.signal(name, lambda word: word & 1), where="post", color="black")
+        axes.tick_params(labelbottom=False)
+        if row == 0:
+            axes.set_title("one inference: the pins rest, the counts go in, the forces come out")
     times, values = waves.signal("out_force", lambda word: _field(word, 0, force_bits))
+    shown = [value for time, value in zip(times, values, strict=True) if abs(time - middle) < 1.5]
+    axes = figure.add_subplot(right[4], xlim=window, ylabel="force 1, mN", xlabel="time, ms")
     axes.step(times, values, where="post", color=AXIS_COLOURS[0])
-    axes.set(xlim=window, ylabel="force 1, mN", xlabel="time, ms")
-    figure.axes[3].set_title("one inference: the pins rest, counts go in, forces come out")
+    axes.set_ylim(min(shown) - 10, max(shown) + 10)
     return figure
 
 
-def _steps(axes, waves, name: str, n_axes: int, bits: int, label: str, end_ms: float) -> None:
+def _plot_axes(axes, waves, name: str, n_axes: int, bits: int, start_ms: float) -> None:
+    """Steps of a packed signal from the first result on, each axis as the change since then."""
     for i in range(n_axes):
         times, values = waves.signal(name, lambda word, i=i: _field(word, i, bits))
-        axes.step(times, values, where="post", label=f"axis {i + 1}", color=AXIS_COLOURS[i % len(AXIS_COLOURS)])
-    axes.set(xlim=(0, end_ms), ylabel=label, xticklabels=[])
+        first = max(k for k, time in enumerate(times) if time <= start_ms)
+        change = [value - values[first] for value in values[first:]]
+        colour = AXIS_COLOURS[i % len(AXIS_COLOURS)]
+        axes.step([start_ms, *times[first + 1 :]], change, where="post", label=f"axis {i + 1}", color=colour)
+    axes.tick_params(labelbottom=False)
     axes.legend(loc="best", ncols=n_axes)
 
 
@@ -105,13 +110,28 @@ def _field(word: int, index: int, bits: int) -> int:
 
 
 class _Waves:
-    """Changes of the signals of one scope of a VCD; time in ms, words as unsigned integers."""
+    """Changes of the signals of gc_top in a VCD; times in ms, words as unsigned integers."""
 
     def __init__(self, vcd: Path):
-        import pywellen
+        from vcdvcd import VCDVCD
 
-        self._waveform = pywellen.Waveform(str(vcd))
-        print(dir(self._waveform))
+        names = VCDVCD(str(vcd), only_sigs=True).signals
+        self._path = {name.removeprefix(RUN_SCOPE).split("[")[0]: name for name in names if name.startswith(RUN_SCOPE)}
+        self._vcd = VCDVCD(str(vcd), signals=[self._path[f".{name}"] for name in SIGNALS])
+        self._ms = float(self._vcd.timescale["timescale"]) * 1e3
+        self.end_ms = self._vcd.endtime * self._ms
 
-    def signal(self, name: str, decode: Callable[[int], int]):
-        raise NotImplementedError
+    def signal(self, name: str, decode: Callable[[int], int] = int) -> tuple[list[float], list[int]]:
+        """Times and decoded values of the changes of a signal, from its first defined value to the end."""
+        changes = [
+            (time * self._ms, decode(int(word, 2)))
+            for time, word in self._vcd[self._path[f".{name}"]].tv
+            if not set(word.lower()) - {"0", "1"}
+        ]
+        times, values = (list(column) for column in zip(*changes, strict=True))
+        return [*times, self.end_ms], [*values, values[-1]]
+
+    def rises(self, name: str) -> list[float]:
+        """Times at which a single bit rises."""
+        times, values = self.signal(name)
+        return [time for time, value in zip(times[:-1], values[:-1], strict=True) if value == 1]

@@ -25,12 +25,12 @@ def pose_sets(p: RobotParameters) -> dict[str, np.ndarray]:
     }
 
 
-def motion(p: RobotParameters, n_poses: int, period_s: float = 1e-3) -> np.ndarray:
-    """Encoder counts (n_poses, 3) every period_s of a smooth motion that starts at rest at home.
+def motion(p: RobotParameters, n_poses: int, start_s: float = 0.0, period_s: float = 1e-3) -> np.ndarray:
+    """Encoder counts (n_poses, 3) every period_s, from start_s on, of a smooth motion that starts at rest at home.
 
     The tilt swings out and back to 20 deg while its azimuth turns and the torsion swings: all axes reverse.
     """
-    t = np.arange(n_poses) * period_s
+    t = start_s + np.arange(n_poses) * period_s
     tilt = np.deg2rad(10.0) * (1 - np.cos(2 * np.pi * 0.5 * t))
     return counts_at(pose(2 * np.pi * 0.4 * t, tilt, np.deg2rad(8.0) * np.sin(2 * np.pi * 0.7 * t)), p)
 

@@ -34,7 +34,7 @@ def load_run(path: Path) -> Run:
 
 
 def error_table(run: Run, fixed: FixedNetwork, p: RobotParameters) -> str:
-    """Markdown table per pose set: error of the simulated forces against the bit-true model, LSB, and the statics, N."""
+    """Markdown table, a row per pose set: simulated forces against the bit-true model, LSB, and the statics, N."""
     lines = [
         "| poses | number | against bit-true, LSB | mean, N | RMS, N | maximum, N | average, % | maximum, % |",
         "|---|---|---|---|---|---|---|---|",

@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class ForceError:
-    """mean_n: mean of |E|; rms_n: over all poses and axes; max_n: largest component; percentages 100 |E| / |F| per pose."""
+    """mean_n: mean of |E|; rms_n: over poses and axes; max_n: largest component; percent: 100 |E| / |F| per pose."""
 
     mean_n: float
     rms_n: float

@@ -1,0 +1,24 @@
+"""Print the error table of the last simulated run and draw its pictures."""
+
+from pathlib import Path
+
+from gravcomp.network.quantise import FORCE_BITS, quantise
+from gravcomp.network.weights import load_network
+from gravcomp.proof.pictures import error_maps, run_picture, save_figure
+from gravcomp.proof.run import error_table, load_run
+from gravcomp.robot.parameters import load_parameters
+
+
+def add_arguments(parser):
+    parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="weights folder of the ROM")
+    parser.add_argument("--run", type=Path, default=Path("build/sim"), help="folder that the simulation wrote")
+
+
+def run(arguments):
+    p = load_parameters()
+    fixed = quantise(load_network(arguments.weights), p, arguments.weights)
+    print("Simulated VHDL (gc_top, from its encoder pins) against the bit-true model and the statics:\n")
+    print(error_table(load_run(arguments.run / "poses.csv"), fixed, p))
+    save_figure(error_maps(fixed, p), arguments.run / "error_maps.png")
+    save_figure(run_picture(arguments.run / "run.vcd", fixed.n_axes, FORCE_BITS), arguments.run / "run.png")
+    print(f"\nPictures: {arguments.run / 'run.png'}, {arguments.run / 'error_maps.png'}; waveform: run.vcd beside them")
