@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 def fixed_network() -> FixedNetwork:
     """The network that the ROM under test was made from: weights/spheiro, or the folder in WEIGHTS."""
-    return quantise(load_network(os.environ.get("WEIGHTS", ROOT / "weights" / "spheiro")), load_parameters())
+    return quantise(load_network(ROOT / os.environ.get("WEIGHTS", "weights/spheiro")), load_parameters())
 
 
 def pack(values: Iterable[int], bits: int) -> int:

@@ -172,9 +172,11 @@ def network_on_counted(network: Network, q_m: np.ndarray) -> tuple[np.ndarray, O
     count = OperationCount()
     hidden_bias = network.hidden_bias - network.hidden_weights @ (network.q_offset_m * network.q_scale_per_m)
     output_bias = network.output_bias + network.f_offset_n / network.f_scale_n
-    x = counted(q_m, count) * network.q_scale_per_m
-    hidden = np.array([gamma(h) for h in _layer(x, network.hidden_weights, hidden_bias)], dtype=object)
-    forces = np.array(_layer(hidden, network.output_weights, output_bias), dtype=object) * network.f_scale_n
+    # The hardware multiplies by whatever the ROM holds: a weight that happens to be 0 or 1 is a product all the same.
+    weights = counted(network.hidden_weights, count), counted(network.output_weights, count)
+    x = counted(q_m, count) * counted(network.q_scale_per_m, count)
+    hidden = np.array([gamma(h) for h in _layer(x, weights[0], hidden_bias)], dtype=object)
+    forces = np.array(_layer(hidden, weights[1], output_bias), dtype=object) * counted(network.f_scale_n, count)
     return forces.astype(float), count
 
 

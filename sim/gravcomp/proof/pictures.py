@@ -16,6 +16,7 @@ from gravcomp.robot.workspace import pose
 
 RUN_SCOPE = "gc_top_bench.i_top"
 SIGNALS = ("pin_a", "pin_b", "sts_count", "in_valid", "out_valid", "out_force")
+SHOWN_AXIS = 1  # the fastest one of the motion
 AXIS_COLOURS = ("tab:blue", "tab:orange", "tab:green")
 
 
@@ -77,17 +78,23 @@ def run_picture(vcd: Path, n_axes: int, force_bits: int):
     middle = results[len(results) // 2]
     window = (middle - 0.25, middle + 0.05)
     for row, (name, label) in enumerate(
-        [("pin_a", "A, axis 1"), ("pin_b", "B, axis 1"), ("in_valid", "in_valid"), ("out_valid", "out_valid")]
+        [
+            ("pin_a", f"A, axis {SHOWN_AXIS + 1}"),
+            ("pin_b", f"B, axis {SHOWN_AXIS + 1}"),
+            ("in_valid", "in_valid"),
+            ("out_valid", "out_valid"),
+        ]
     ):
+        bit = SHOWN_AXIS if name.startswith("pin") else 0
         axes = figure.add_subplot(right[row], xlim=window, ylim=(-0.2, 1.3), yticks=[0, 1], ylabel=label)
-        axes.step(*waves.signal(name, lambda word: word & 1), where="post", color="black")
+        axes.step(*waves.signal(name, lambda word, bit=bit: word >> bit & 1), where="post", color="black")
         axes.tick_params(labelbottom=False)
         if row == 0:
             axes.set_title("one inference: the pins rest, the counts go in, the forces come out")
-    times, values = waves.signal("out_force", lambda word: _field(word, 0, force_bits))
+    times, values = waves.signal("out_force", lambda word: _field(word, SHOWN_AXIS, force_bits))
     shown = [value for time, value in zip(times, values, strict=True) if abs(time - middle) < 1.5]
-    axes = figure.add_subplot(right[4], xlim=window, ylabel="force 1, mN", xlabel="time, ms")
-    axes.step(times, values, where="post", color=AXIS_COLOURS[0])
+    axes = figure.add_subplot(right[4], xlim=window, ylabel=f"force {SHOWN_AXIS + 1}, mN", xlabel="time, ms")
+    axes.step(times, values, where="post", color=AXIS_COLOURS[SHOWN_AXIS])
     axes.set_ylim(min(shown) - 10, max(shown) + 10)
     return figure
 

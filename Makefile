@@ -1,0 +1,46 @@
+# Everything runs from here; `make` alone lists the targets. The first `make sim` or `make test` installs what it needs.
+
+WEIGHTS ?= weights/spheiro
+RUN := .venv/bin
+PYTEST := $(RUN)/python -m pytest
+export WEIGHTS
+
+.DEFAULT_GOAL := help
+.PHONY: help setup sim test test-fast train table1 rom budget lint clean
+
+help: ## list the targets
+	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+setup:
+	@scripts/setup.sh
+
+sim: setup ## the main job: robot poses through the encoder pins of the VHDL under GHDL; table and pictures
+	@$(RUN)/gravcomp rom --weights $(WEIGHTS) --check
+	@$(PYTEST) -q tb/test_rtl_top.py
+	@$(RUN)/gravcomp sim-report --weights $(WEIGHTS)
+
+test: setup ## all tests
+	@$(PYTEST) -q -n auto
+
+test-fast: setup ## the tests that take less than ten seconds each
+	@$(PYTEST) -q -n auto -m "not slow"
+
+train: setup ## train the network and write weights/spheiro
+	@$(RUN)/gravcomp train
+
+table1: setup ## the paper's Table 1, trained here, beside the paper's figures
+	@$(RUN)/gravcomp table1
+
+rom: setup ## write rtl/generated from the CSV files in WEIGHTS
+	@$(RUN)/gravcomp rom --weights $(WEIGHTS)
+
+budget: setup ## operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics
+	@$(PYTEST) -q tb/test_rtl_budget.py
+	@$(RUN)/gravcomp budget
+
+lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
+	@$(RUN)/ruff check . && $(RUN)/ruff format --check .
+	@scripts/lint_vhdl.sh
+
+clean: ## remove what was built, but not .venv
+	rm -rf build
