@@ -1,0 +1,174 @@
+"""Levenberg-Marquardt training of a network with one hidden layer, y = V act(W x + b_H) + b_o.
+
+Each step solves (J^T J + mu D) dp = J^T e and is taken when the cost falls; mu then falls too, otherwise it rises
+(Hagan and Menhaj, 1994). Two additions, both standard:
+
+- The output layer enters linearly. Only hidden parameters are damped (D), and the output layer is solved again after
+  every step: variable projection (Golub and Pereyra, 2003) in Kaufman's form.
+- Parameters may be tied, p = T z with one 1 per row of T, so that a symmetry of the data holds exactly.
+
+J has the rows [V_kj act'_j x_a | h_j] for output k, so J^T J needs only V and B^T B with B = [act'_j x_a | h_j]: one
+product for all outputs, many times cheaper than J itself.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+from gravcomp.network.activation import gamma, gamma_slope
+
+MU_START, MU_FALL, MU_RISE, MU_MIN, MU_MAX = 1e-2, 0.2, 4.0, 1e-12, 1e10
+
+
+@dataclass(frozen=True)
+class Activation:
+    """Function and derivative of a hidden neuron, elementwise."""
+
+    value: Callable[[np.ndarray], np.ndarray]
+    slope: Callable[[np.ndarray], np.ndarray]
+
+
+ACTIVATIONS = {
+    "gamma": Activation(gamma, gamma_slope),
+    "tanh": Activation(np.tanh, lambda x: 1.0 - np.tanh(x) ** 2),
+}
+
+
+@dataclass(frozen=True)
+class Stop:
+    """When to stop: norm of dMSE/dp below gradient, `steps` taken, or the cost fell by less than the fraction `stall`
+    over stall_steps. Gradient and MSE in the units of y."""
+
+    gradient: float = 0.0
+    steps: int = 1000
+    stall: float = 1e-4
+    stall_steps: int = 30
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A trained network on normalised data.
+
+    hidden: [W b_H] (h, n+1); output: [V b_o] (m, h+1); mse: mean of e^2 over rows and outputs; cost: mse and ridge;
+    gradient: norm of dMSE/dp, p the free parameters; steps taken; reason: "gradient", "stall", "steps", or "damping"
+    when no step however small lowers the cost.
+    """
+
+    hidden: np.ndarray
+    output: np.ndarray
+    mse: float
+    cost: float
+    gradient: float
+    steps: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Point:
+    """Network and errors at one set of parameters: sums W x + b_H (N, h), act [h 1] (N, h+1), error (N, m)."""
+
+    hidden: np.ndarray
+    output: np.ndarray
+    sums: np.ndarray
+    act: np.ndarray
+    error: np.ndarray
+    cost: float
+
+
+class Problem:
+    """Cost and normal equations of one data set.
+
+    x (N, n), y (N, m): normalised data. tie: for every parameter of [hidden.ravel(), output.ravel()] the index of its
+    free parameter, hidden ones first (default: all free). ridge: weight of the mean square of V in the cost
+    ``mean e^2 + ridge mean_k |V_k|^2``: it keeps V small where the data leave it undetermined.
+    """
+
+    def __init__(self, x, y, n_hidden: int, activation: Activation, tie=None, ridge: float = 0.0):
+        self.inputs = np.c_[x, np.ones(len(x))]
+        self.y = y
+        self.activation = activation
+        self.shapes = (n_hidden, self.inputs.shape[1]), (y.shape[1], n_hidden + 1)
+        self.n_hidden_parameters = n_hidden * self.inputs.shape[1]
+        n_parameters = self.n_hidden_parameters + y.shape[1] * (n_hidden + 1)
+        self.tie = np.arange(n_parameters) if tie is None else np.asarray(tie)
+        self.n_free_hidden = int(self.tie[: self.n_hidden_parameters].max()) + 1
+        self.spread = np.eye(int(self.tie.max()) + 1)[self.tie]
+        # Kept from step to step: allocating it anew would cost as much as filling it.
+        self._rows = np.empty((len(x), self.n_hidden_parameters + n_hidden + 1))
+        self.ridge = ridge * len(x) * np.tile(np.arange(n_hidden + 1) < n_hidden, y.shape[1])
+
+    def at(self, free_hidden: np.ndarray) -> Point:
+        """The point with these hidden parameters and the output layer that suits them best."""
+        hidden = free_hidden[self.tie[: self.n_hidden_parameters]].reshape(self.shapes[0])
+        sums = self.inputs @ hidden.T
+        act = np.c_[self.activation.value(sums), np.ones(len(sums))]
+        spread = self.spread[self.n_hidden_parameters :, self.n_free_hidden :]
+        normal = spread.T @ (np.kron(np.eye(len(self.y.T)), act.T @ act) + np.diag(self.ridge)) @ spread
+        free_output = np.linalg.solve(normal, spread.T @ (self.y.T @ act).ravel())
+        output = (spread @ free_output).reshape(self.shapes[1])
+        error = self.y - act @ output.T
+        cost = (np.sum(error**2) + np.sum(self.ridge * output.ravel() ** 2)) / error.size
+        return Point(hidden, output, sums, act, error, cost)
+
+    def normal_equations(self, point: Point) -> tuple[np.ndarray, np.ndarray]:
+        """J^T J (with the ridge) and J^T e over the free parameters, J = d(V act(W x + b_H) + b_o)/dp."""
+        n_hidden, n_in = self.shapes[0]
+        slope = self.activation.slope(point.sums)
+        n, b = self.n_hidden_parameters, self._rows
+        np.multiply(slope[:, :, None], self.inputs[:, None, :], out=b[:, :n].reshape(-1, n_hidden, n_in))
+        b[:, n:] = point.act
+        gram = b.T @ b
+        v = np.repeat(point.output[:, :-1], n_in, axis=1)
+        cross = np.hstack([v_k[:, None] * gram[:n, n:] for v_k in v])
+        outer = np.kron(np.eye(len(v)), gram[n:, n:]) + np.diag(self.ridge)
+        normal = np.block([[v.T @ v * gram[:n, :n], cross], [cross.T, outer]])
+        by_hidden = ((point.error @ point.output[:, :-1]) * slope).T @ self.inputs
+        by_output = (point.error.T @ point.act).ravel() - self.ridge * point.output.ravel()
+        rhs = np.concatenate([by_hidden.ravel(), by_output])
+        return self.spread.T @ normal @ self.spread, self.spread.T @ rhs
+
+
+def levenberg_marquardt(problem: Problem, hidden: np.ndarray, stop: Stop = Stop()) -> Fit:
+    """Train from hidden parameters [W b_H] (h, n+1); the output layer needs no start.
+
+    Tied parameters must be equal in ``hidden``. Raises numpy.linalg.LinAlgError when the output layer is undetermined
+    (two equal neurons and no ridge).
+    """
+    free = np.empty(problem.n_free_hidden)
+    free[problem.tie[: problem.n_hidden_parameters]] = hidden.ravel()
+    point, mu, costs, reason = problem.at(free), MU_START, [], "steps"
+    while True:
+        normal, rhs = problem.normal_equations(point)
+        gradient = 2.0 * float(np.linalg.norm(rhs)) / point.error.size
+        if gradient < stop.gradient:
+            reason = "gradient"
+        elif len(costs) > stop.stall_steps and costs[-stop.stall_steps - 1] < point.cost * (1.0 + stop.stall):
+            reason = "stall"
+        if reason != "steps" or len(costs) == stop.steps:
+            break
+        step, mu = _step(problem, free, point, normal, rhs, mu)
+        if step is None:
+            reason = "damping"
+            break
+        free, point = step
+        costs.append(point.cost)
+        mu = max(mu * MU_FALL, MU_MIN)
+    mse = float(np.mean(point.error**2))
+    return Fit(point.hidden, point.output, mse, float(point.cost), gradient, len(costs), reason)
+
+
+def _step(problem, free, point, normal, rhs, mu):
+    """The least damped step that lowers the cost, as ((parameters, point) or None, mu)."""
+    damped = np.diag(np.arange(len(rhs)) < len(free)).astype(float)
+    while mu < MU_MAX:
+        try:
+            trial = free + cho_solve(cho_factor(normal + mu * damped), rhs)[: len(free)]
+            trial_point = problem.at(trial)
+        except LinAlgError:
+            trial_point = None  # not positive definite in finite precision: damp more
+        if trial_point is not None and trial_point.cost < point.cost:
+            return (trial, trial_point), mu
+        mu *= MU_RISE
+    return None, mu
