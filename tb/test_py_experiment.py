@@ -97,9 +97,9 @@ def test_without_effects_the_measured_effort_is_the_statics(mode, n_points):
         ("backlash", {"gap": 0.001}, lambda g: statics(g.q_m, -0.0005 * np.sign(g.v_mps)) - statics(g.q_m), 0.06),
         (
             "cogging",
-            {"a": 2.0, "phase": 0.3, "a_second": 0.5, "phase_second": 1.0, "pitch": 0.02},
-            lambda g: 2 * np.sin(100 * np.pi * g.q_m + 0.3) + 0.5 * np.sin(200 * np.pi * g.q_m + 1.0),
-            0.1,
+            {"a": 2.0, "phase": 0.3, "a_second": 0.5, "phase_second": 1.0, "pitch": 0.008},
+            lambda g: 2 * np.sin(250 * np.pi * g.q_m + 0.3) + 0.5 * np.sin(500 * np.pi * g.q_m + 1.0),
+            0.08,
         ),
         ("payload", {"m": 1.5, "x": 0.1, "y": -0.05, "z": 0.02}, lambda g: payload(g, 1.5, [0.1, -0.05, 0.02]), 0.1),
         ("base_tilt", {"x_deg": 1.0, "y_deg": -0.5, "z_deg": 0.2}, lambda g: tilted(g, [1.0, -0.5, 0.2]), 0.1),
@@ -148,6 +148,35 @@ def test_effect_shows_with_the_size_and_sign_asked_for(plain, name, params, expe
     assert is_clear.sum(axis=0).min() >= 10
     assert np.abs(effect[is_clear]).max() > 2 * tolerance_n
     np.testing.assert_allclose(shown[is_clear], effect[is_clear], atol=tolerance_n)
+
+
+def test_effects_add_up(plain):
+    both = measure(
+        P,
+        [EFFECTS["coulomb_friction"](fc=1.0), EFFECTS["load_dependent_friction"](mu=0.03)],
+        30,
+        MOTION_SEED,
+        mode="motion",
+    )
+    expected = (1.0 + 0.03 * np.abs(statics(both.q_m))) * np.sign(both.v_mps)
+    is_moving = np.abs(both.v_mps) > 2e-3
+    np.testing.assert_allclose((residual_n(both) - residual_n(plain))[is_moving], expected[is_moving], atol=0.1)
+
+
+# Holds begin on their way after long travel: history and equilibrium have to be right from the first step.
+@pytest.mark.parametrize(
+    ("name", "params", "expected"),
+    [
+        ("payload", {"m": 2.0, "x": 0.1, "y": 0.0, "z": 0.0}, lambda g: payload(g, 2.0, [0.1, 0.0, 0.0])),
+        ("cable_spring", {"k": 100.0, "q0": 0.0}, lambda g: 100.0 * g.q_m),
+        ("backlash", {"gap": 0.004}, lambda g: statics(g.q_m, -0.002 * np.sign(g.v_mps)) - statics(g.q_m)),
+        ("presliding_hysteresis", {"fc": 2.0, "travel": 0.004}, lambda g: 2.0 * np.sign(g.v_mps)),
+    ],
+)
+def test_effect_shows_in_holds(name, params, expected):
+    log = measure(P, [EFFECTS[name](**params)], 12, 1, mode="static")
+    is_clear = np.abs(log.v_mps).min(axis=1) > 3e-5
+    np.testing.assert_allclose(residual_n(log)[is_clear], expected(log)[is_clear], atol=0.1)
 
 
 def test_inertia_shows_in_fast_motion():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gravcomp.errors import InputError
-from gravcomp.robot.kinematics import PoseError, inverse_kinematics, passive_coordinates
+from gravcomp.robot.kinematics import PoseError, inverse_kinematics, passive_coordinates, passive_jacobian
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.robot.prototype import Prototype
 from gravcomp.robot.statics import holding_forces
@@ -47,6 +47,27 @@ def test_engines_weights_and_constraints_give_the_forces_of_the_statics(robot):
     worst_n = np.abs(solved - holding_forces(poses, P)).max()
     print(f"engine's equilibrium solved, 200 poses: worst difference {worst_n * 1e3:.4f} mN")
     assert worst_n < 1e-3
+
+
+def test_velocity_of_the_motors_moves_the_whole_chain(robot):
+    velocity = np.array([0.01, -0.02, 0.005])
+    robot.set_pose(POSES[0], velocity)
+    passive = [*robot.data.qvel[robot.dofs("slide")], *robot.data.qvel[robot.dofs("turn")]]
+    np.testing.assert_allclose(robot.data.qvel[robot.motor_dofs], velocity, atol=1e-15)
+    np.testing.assert_allclose(passive, passive_jacobian(POSES[0], P) @ velocity, atol=1e-12)
+
+
+def test_equilibrium_counts_springs_dampers_and_the_friction_of_moving_joints():
+    robot, velocity, friction_n = Prototype(P), np.array([0.01, -0.02, 0.005]), 2.0
+    robot.model.jnt_stiffness[robot.dofs("slide")] = 50.0
+    robot.model.dof_damping[robot.motor_dofs] = 100.0
+    robot.model.dof_frictionloss[robot.dofs("slide")] = friction_n
+    robot.set_pose(POSES[0], velocity)
+    j = passive_jacobian(POSES[0], P)[:3]
+    stretch = passive_coordinates(POSES[0], P)[:3] - P.d_m
+    expected = holding_forces(POSES[0], P) + 100.0 * velocity
+    expected += j.T @ (50.0 * stretch + friction_n * np.sign(j @ velocity))
+    np.testing.assert_allclose(robot.equilibrium_forces(), expected, atol=2e-3)
 
 
 def test_prototype_follows_its_parameters():

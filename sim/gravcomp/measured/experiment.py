@@ -149,8 +149,8 @@ def follow_path(
 
 
 def _sample(plant: Plant, targets: np.ndarray, velocity: np.ndarray | None = None) -> tuple:
-    """Average the effort while the targets are followed; position at the window's middle, velocity over the window."""
-    readings, efforts = [plant.reading_m], []
+    """Average the effort while the targets are followed; time and position at the window's middle, velocity over it."""
+    t_s, readings, efforts = plant.state.t_s + len(targets) * TIME_STEP_S / 2, [plant.reading_m], []
     for target in targets:
         plant.step(target)
         readings.append(plant.reading_m)
@@ -159,7 +159,7 @@ def _sample(plant: Plant, targets: np.ndarray, velocity: np.ndarray | None = Non
     if velocity is None:
         velocity = (readings[-1] - readings[0]) / (len(targets) * TIME_STEP_S)
     middle = readings[len(readings) // 2 + 1]
-    return plant.state.t_s, plant.temperature_c(), middle, velocity, np.mean(efforts, axis=0)
+    return t_s, plant.temperature_c(), middle, velocity, np.mean(efforts, axis=0)
 
 
 def _approach_profile() -> np.ndarray:
