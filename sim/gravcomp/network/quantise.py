@@ -38,6 +38,7 @@ INPUT_LIMIT = 1.0 - 2.0**-16
 OUTPUT_HEADROOM = 1.0625
 
 _OPERAND_MAX = 2 ** (OPERAND_BITS - 1) - 1
+_SCALE_CODE_MIN = 1024  # a scale is then exact to 0.05 %
 _FRACTION_MAX = 24  # finer weights than this would only widen the sums
 
 
@@ -150,7 +151,7 @@ def _input_stage(network: Network, p: RobotParameters, path: Path) -> dict:
     x_offset = network.q_offset_m * network.q_scale_per_m
     x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset_m"])
     per_code = 2.0**count_shift * p.encoder_m_per_count * network.q_scale_per_m * 2.0**x_fraction
-    input_scale, input_scale_fraction = _scale(per_code, f"{path}: column q_scale_per_m")
+    input_scale, input_scale_fraction = _scale(per_code, f"{path}: row {{row}}, column q_scale_per_m")
     return {
         "count_low": count_low,
         "count_high": count_high,
@@ -195,9 +196,11 @@ def _output_stage(network: Network, folder: Path) -> dict:
     weights = _codes(network.output_weights, weight_fraction)
     f_ratio = network.f_offset_n / network.f_scale_n
     y_fraction = _fraction_for((np.abs(f_ratio)[:, None] + 1.0) * OUTPUT_HEADROOM, scaling, ["f_offset_n"])
-    output_scale, scale_fraction = _scale(1000.0 * network.f_scale_n * 2.0**-y_fraction, f"{scaling}: column f_scale_n")
+    where = f"{scaling}: row {{row}}, column f_scale_n"
+    output_scale, scale_fraction = _scale(1000.0 * network.f_scale_n * 2.0**-y_fraction, where)
     if 2 * OPERAND_BITS - 1 - scale_fraction > FORCE_BITS:
-        raise InputError(f"{scaling}: column f_scale_n: forces exceed {FORCE_BITS} bits of mN; give a smaller scale")
+        row = 1 + int(np.argmax(network.f_scale_n))
+        raise InputError(f"{where.format(row=row)}: forces exceed {FORCE_BITS} bits of mN; give a smaller scale")
     # The halves of what truncation drops from h, from y, and from the force in mN.
     lacks = (
         weights.sum(axis=1) * 2.0 ** -(weight_fraction + HIDDEN_FRACTION + 1)
@@ -257,9 +260,13 @@ def _sum_bits(interval: tuple[int, int], drop: int, path: Path) -> int:
 
 
 def _scale(factors: np.ndarray, where: str) -> tuple[np.ndarray, int]:
-    """Positive factors as 18-bit codes with one common fraction."""
+    """Positive factors as 18-bit codes with one common fraction; where names a factor, with {row} for its number."""
     fraction = math.floor(math.log2(_OPERAND_MAX / factors.max()))
     codes = _codes(factors, fraction)
-    if fraction < 0 or codes.min() < 1:
-        raise InputError(f"{where}: factors {factors.min():g} to {factors.max():g} do not fit {OPERAND_BITS} bits")
+    if fraction < 0:
+        row = int(np.argmax(factors))
+        raise InputError(f"{where.format(row=row + 1)} is too large or small for {OPERAND_BITS} bits; check its unit")
+    if codes.min() < _SCALE_CODE_MIN:
+        row = int(np.argmin(factors))
+        raise InputError(f"{where.format(row=row + 1)} differs too much from the largest one; give similar scales")
     return codes, fraction

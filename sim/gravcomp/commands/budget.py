@@ -1,0 +1,38 @@
+"""Print the operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics."""
+
+import json
+from pathlib import Path
+
+from gravcomp.counting import count_network_operations, count_statics_operations
+from gravcomp.errors import InputError
+from gravcomp.network.weights import load_network
+from gravcomp.robot.parameters import load_parameters
+
+PAPER = "| paper: statics by its analytic model | | | | | 532 | 8305 |"
+
+
+def add_arguments(parser):
+    parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="weights folder")
+    parser.add_argument("--rtl", type=Path, default=Path("build/budget-4.json"), help="counts of the simulated core")
+
+
+def run(arguments):
+    try:
+        rows = json.loads(arguments.rtl.read_text())
+    except OSError:
+        raise InputError(f"{arguments.rtl}: no such count; start `make budget`") from None
+    in_rtl = {kind: sum(row["number"] for row in rows if row["kind"] == kind) for kind in ("multiplications", "sums")}
+    print("| what | multiplications | sums | divisions | square roots | trigonometric | all |")
+    print("|---|---|---|---|---|---|---|")
+    print(
+        f"| network, running VHDL | {in_rtl['multiplications']} | {in_rtl['sums']} | 0 | 0 | 0 | {sum(in_rtl.values())} |"
+    )
+    print(_row("network, NumPy on counting numbers", count_network_operations(load_network(arguments.weights))))
+    print(_row("statics in closed form, from joint positions", count_statics_operations(load_parameters())))
+    print(PAPER)
+    print("\nA sum of many terms counts as one, as in the paper; theta |a| counts, though it is a shift in hardware.")
+
+
+def _row(name, count):
+    kinds = (count.multiplications, count.sums, count.divisions, count.square_roots, count.trigonometric, count.total)
+    return f"| {name} | {' | '.join(str(number) for number in kinds)} |"

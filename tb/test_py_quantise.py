@@ -1,0 +1,172 @@
+"""Formats and the bit-true model: no overflow for any count, proven by intervals; distance from the float network."""
+
+import numpy as np
+import pytest
+
+from codes import ROOT
+from gravcomp.network import bittrue
+from gravcomp.network import quantise as q
+from gravcomp.network.activation import gamma
+from gravcomp.network.quantise import bits_for, partial_sum_interval, quantise
+from gravcomp.network.weights import Network, load_network
+from gravcomp.proof.poses import counts_at
+from gravcomp.robot.kinematics import inverse_kinematics
+from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.workspace import pose, sample_workspace
+
+P = load_parameters()
+SEED = 41
+
+
+@pytest.fixture(scope="module")
+def network() -> Network:
+    return load_network(ROOT / "weights" / "spheiro")
+
+
+@pytest.fixture(scope="module")
+def fixed(network):
+    return quantise(network, P)
+
+
+def test_core_stays_within_3_mn_rms_and_15_mn_of_the_float_network(network, fixed):
+    q_m = inverse_kinematics(sample_workspace(20000, P, SEED), P)
+    counts = np.rint(q_m / P.encoder_m_per_count).astype(np.int64)
+    answer = bittrue.core(counts, fixed)
+    error_mn = answer.force_mn - 1000.0 * network.forces(q_m)
+    rms, largest = np.sqrt((error_mn**2).mean()), np.abs(error_mn).max()
+    print(f"MEASURED fixed point against float, seed {SEED}: RMS {rms:.2f} mN, maximum {largest:.2f} mN")
+    assert not answer.clamped.any()
+    assert not answer.saturated.any()
+    assert rms <= 3.0
+    assert largest <= 15.0
+
+
+def test_whole_workspace_lies_inside_the_trained_range(fixed):
+    """The corners of tilt and torsion, not just a sample: no pose of the workspace is clamped."""
+    from gravcomp.robot.workspace import pose
+
+    azimuth, torsion = np.meshgrid(
+        np.linspace(0, 2 * np.pi, 721), np.deg2rad([-P.torsion_max_deg, 0, P.torsion_max_deg])
+    )
+    assert not bittrue.core(counts_at(pose(azimuth, np.deg2rad(P.tilt_max_deg), torsion), P), fixed).clamped.any()
+
+
+def intervals(fixed) -> dict[str, tuple[int, int, int]]:
+    """Lowest and highest value of every signal of the core over ALL counts, and the bits of its format.
+
+    Interval arithmetic on the constants that the hardware holds: no sampling. Sums: any partial sum, in any order.
+    """
+    half = 2 ** (q.OPERAND_BITS - 1)
+    code = (int((fixed.count_low >> fixed.count_shift).min()), int((fixed.count_high >> fixed.count_shift).max()))
+    x = (int(fixed.x_low.min()), int(fixed.x_high.max()))
+    hidden_sum = partial_sum_interval(fixed.hidden_weights, fixed.hidden_bias, fixed.x_low, fixed.x_high)
+    # The slope at a = 0 wraps, where its product is 0 all the same; everywhere else |a| >= 1.
+    slope = ((2**18 - half) >> 1, (2**18 - 1) >> 1)
+    h = (-half * slope[0] >> 16, 2**17 - 1)
+    output_sum = partial_sum_interval(fixed.output_weights, fixed.output_bias, *h)
+    scale = int(fixed.output_scale.max())
+    force = (-half * scale >> fixed.output_scale_fraction, (half - 1) * scale >> fixed.output_scale_fraction)
+    current = tuple(
+        edge * fixed.current_scale + (1 << fixed.current_scale_fraction - 1) >> fixed.current_scale_fraction
+        for edge in (-(2 ** (q.FORCE_BITS - 1)), 2 ** (q.FORCE_BITS - 1) - 1)
+    )
+    return {
+        "count code": (*code, q.OPERAND_BITS),
+        "x": (*x, q.OPERAND_BITS),
+        "hidden sum": (*hidden_sum, fixed.hidden_sum_bits),
+        "slope": (*slope, q.OPERAND_BITS),
+        "h": (*h, q.OPERAND_BITS),
+        "output sum": (*output_sum, fixed.output_sum_bits),
+        "force": (*force, q.FORCE_BITS),
+        "current": (*current, q.CURRENT_BITS),
+    }
+
+
+def test_no_signal_overflows_for_any_count(fixed):
+    for name, (low, high, bits) in intervals(fixed).items():
+        assert bits_for(low, high) <= bits, name
+
+
+def test_intervals_hold_what_the_model_computes(fixed):
+    """The intervals are not too narrow: the model, run far outside and inside, stays within them."""
+    rng = np.random.default_rng(SEED)
+    counts = np.concatenate([rng.integers(-(2**31), 2**31, (2000, 3)), rng.integers(-170000, 170000, (20000, 3))])
+    x, _ = bittrue.input_scaler(counts, fixed)
+    a = bittrue.hidden_lane(x, fixed)
+    h = bittrue.activation(a)
+    seen = {
+        "x": x,
+        "hidden sum": x @ fixed.hidden_weights.T + fixed.hidden_bias,
+        "h": bittrue.activation(np.arange(-(2**17), 2**17)),
+        "output sum": bittrue.output_layer(h, fixed),
+        "force": bittrue.core(counts, fixed).force_mn,
+    }
+    bounds = intervals(fixed)
+    for name, values in seen.items():
+        low, high, _ = bounds[name]
+        assert low <= values.min(), name
+        assert values.max() <= high, name
+    assert (seen["x"].min(), seen["x"].max()) == bounds["x"][:2], "the corners of the clamp reach the ends of x"
+
+
+def test_partial_sums_of_a_known_case_have_the_known_interval():
+    weights, bias = np.array([[3, -2]]), np.array([-1])
+    # terms in [-3, 3] and [-2, 2], bias -1: any subset lies in [-6, 5]
+    assert partial_sum_interval(weights, bias, -1, 1) == (-6, 5)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "bits"), [(0, 0, 1), (-1, 0, 1), (0, 1, 2), (-2, 1, 2), (-3, 0, 3), (-8, 8, 5)]
+)
+def test_bits_for_is_the_smallest_signed_width(low, high, bits):
+    assert bits_for(low, high) == bits
+
+
+def test_activation_stays_within_its_stated_bounds_of_gamma():
+    a = np.arange(-(2**17), 2**17)
+    error_lsb = bittrue.activation(a) - gamma(a / 2.0**16) * 2.0**17
+    assert error_lsb[a >= 0].min() > -2
+    assert error_lsb[a >= 0].max() <= 0
+    assert error_lsb[a < 0].min() > -1
+    assert error_lsb[a < 0].max() <= 1
+
+
+def test_outside_the_trained_range_the_output_holds_and_the_flag_says_so(fixed):
+    edge = np.stack([fixed.count_low, fixed.count_high])
+    beyond = np.stack([fixed.count_low - 1, fixed.count_high + 1])
+    far = np.sign(edge) * (2**31 - 1)
+    at_edge = bittrue.core(edge, fixed)
+    assert not at_edge.clamped.any()
+    for counts in (beyond, far):
+        answer = bittrue.core(counts, fixed)
+        assert answer.clamped.all()
+        np.testing.assert_array_equal(answer.force_mn, at_edge.force_mn)
+
+
+def test_output_beyond_its_format_saturates_and_the_flag_says_so(fixed):
+    edge = 2**17 << fixed.output_drop
+    force_mn, is_saturated = bittrue.output_scaler(np.array([[edge - 1] * 3, [edge] * 3, [2 * edge] * 3]), fixed)
+    assert is_saturated.tolist() == [[False] * 3, [True] * 3, [True] * 3]
+    np.testing.assert_array_equal(force_mn[1], force_mn[0])
+    np.testing.assert_array_equal(force_mn[2], force_mn[0])
+
+
+def test_offsets_and_unequal_scales_are_folded_without_loss():
+    """A network of another size with offsets on every axis keeps to its float twin within the same bounds."""
+    rng = np.random.default_rng(SEED)
+    network = Network(
+        hidden_weights=rng.uniform(-1.5, 1.5, (7, 3)),
+        hidden_bias=rng.uniform(-1, 1, 7),
+        output_weights=rng.uniform(-0.5, 0.5, (3, 7)),
+        output_bias=rng.uniform(-0.1, 0.1, 3),
+        q_offset_m=np.array([0.03, -0.05, 0.01]),
+        q_scale_per_m=np.array([5.0, 8.0, 6.5]),
+        f_offset_n=np.array([20.0, -40.0, 60.0]),
+        f_scale_n=np.array([40.0, 70.0, 55.0]),
+    )
+    fixed = quantise(network, P)
+    counts = rng.integers(fixed.count_low, fixed.count_high, (5000, 3))
+    error_mn = bittrue.core(counts, fixed).force_mn - 1000.0 * network.forces(counts * P.encoder_m_per_count)
+    assert np.sqrt((error_mn**2).mean()) <= 3.0
+    assert np.abs(error_mn).max() <= 15.0
+    assert np.abs(error_mn.mean(axis=0)).max() <= 1.0, "a bias: something was not folded in"
