@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from tqdm import tqdm
@@ -44,7 +45,7 @@ class Log:
     """What was measured at n samples of three axes.
 
     t_s (n,); q_m (n, 3) as read; v_mps (n, 3) signed velocity, of a hold that of its approach; current_a (n, 3);
-    temperature_c (n,). Beyond the CSV: effort_n (n, 3), N, the current without noise; is_static (n,).
+    temperature_c (n,). Not for the CSV: effort_n (n, 3), N, the current without noise.
     """
 
     t_s: np.ndarray
@@ -53,7 +54,16 @@ class Log:
     current_a: np.ndarray
     temperature_c: np.ndarray
     effort_n: np.ndarray
-    is_static: np.ndarray
+
+
+class Sample(NamedTuple):
+    """One row of a log before noise; t_s and temperature_c are numbers, the others (3,)."""
+
+    t_s: float
+    q_m: np.ndarray
+    v_mps: np.ndarray
+    effort_n: np.ndarray
+    temperature_c: float
 
 
 def measure(
@@ -77,12 +87,11 @@ def measure(
     poses = sample_workspace(n_static, p, int(rng.integers(2**31)))
     plant = Plant(p, effects)
     with _watched(n_points) as progress:
-        rows = hold_poses(plant, poses, rng, progress)
-        rows += follow_path(plant, n_points - n_static, rng, speed, n_static * _HOLD_PERIOD_S, progress)
-    t, temperature, *arrays = (np.array(column) for column in zip(*rows, strict=True))
-    q, v, effort = arrays
+        samples = hold_poses(plant, poses, rng, progress)
+        samples += follow_path(plant, n_points - n_static, rng, speed, n_static * _HOLD_PERIOD_S, progress)
+    t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))
     current = (effort + noise_n * rng.standard_normal(effort.shape)) / p.thrust_constant_n_per_a
-    return Log(t, q, v, current, temperature, effort, np.arange(n_points) < n_static)
+    return Log(t, q, v, current, temperature, effort)
 
 
 def static_points(
@@ -94,8 +103,8 @@ def static_points(
     """
     rng = np.random.default_rng(seed)
     with _watched(len(poses)) as progress:
-        rows = hold_poses(Plant(p, effects), poses, rng, progress)
-    q, effort = (np.array([row[k] for row in rows]) for k in (2, 4))
+        samples = hold_poses(Plant(p, effects), poses, rng, progress)
+    q, effort = np.array([s.q_m for s in samples]), np.array([s.effort_n for s in samples])
     return q, effort + noise_n * rng.standard_normal(effort.shape)
 
 
@@ -106,9 +115,9 @@ def _watched(n_samples: int) -> Iterator[tqdm]:
         yield progress
 
 
-def hold_poses(plant: Plant, poses: np.ndarray, rng: np.random.Generator, progress: tqdm) -> list[tuple]:
-    """Hold each pose (n, 3, 3); rows of t, temperature, q read, approach velocity, effort."""
-    to_go, rows = _approach_profile(), []
+def hold_poses(plant: Plant, poses: np.ndarray, rng: np.random.Generator, progress: tqdm) -> list[Sample]:
+    """Hold each pose (n, 3, 3), approached from a random side."""
+    to_go, samples = _approach_profile(), []
     for k, rotation in enumerate(poses):
         side = rng.standard_normal(3)
         rate = jacobian(rotation, plant.parameters) @ (side / np.linalg.norm(side))
@@ -123,32 +132,31 @@ def hold_poses(plant: Plant, poses: np.ndarray, rng: np.random.Generator, progre
         velocity = (plant.reading_m - before) / (_CREEP_STEPS * TIME_STEP_S)
         for _ in range(_REST_STEPS):
             plant.step(target)
-        rows.append(_sample(plant, np.broadcast_to(target, (_WINDOW_STEPS, 3)), velocity))
+        samples.append(_sample(plant, np.broadcast_to(target, (_WINDOW_STEPS, 3)), velocity))
         progress.update()
-    return rows
+    return samples
 
 
 def follow_path(
     plant: Plant, n_samples: int, rng: np.random.Generator, speed: float, t_s: float, progress: tqdm
-) -> list[tuple]:
-    """Move along a path there and back; rows of t, temperature, q read, velocity, effort."""
-    if n_samples == 0:
-        return []
-    path = _path(n_samples, rng.uniform(0.0, 2 * np.pi, 3), speed, plant.parameters)
-    statics = holding_forces_at(path[::_SAMPLE_STEPS], plant.parameters)
-    plant.place(path[0], (path[_SAMPLE_STEPS - 1] - path[0]) / (_SAMPLE_STEPS * TIME_STEP_S), t_s)
-    rows = []
+) -> list[Sample]:
+    """Move along a path, there and back."""
+    start_rad = rng.uniform(0.0, 2 * np.pi, 3)
+    samples = []
     for k in range(n_samples):
-        plant.state.statics_n = statics[k]
-        targets = path[k * _SAMPLE_STEPS : (k + 1) * _SAMPLE_STEPS]
+        done = (k + np.arange(_SAMPLE_STEPS) / _SAMPLE_STEPS) / n_samples
+        targets = _path(done, speed * n_samples * _PHASE_PER_SAMPLE_RAD, start_rad, plant.parameters)
+        if k == 0:
+            plant.place(targets[0], (targets[-1] - targets[0]) / (_SAMPLE_STEPS * TIME_STEP_S), t_s)
+        plant.state.statics_n = holding_forces_at(targets[0], plant.parameters)
         for target in targets[:-_WINDOW_STEPS]:
             plant.step(target)
-        rows.append(_sample(plant, targets[-_WINDOW_STEPS:]))
+        samples.append(_sample(plant, targets[-_WINDOW_STEPS:]))
         progress.update()
-    return rows
+    return samples
 
 
-def _sample(plant: Plant, targets: np.ndarray, velocity: np.ndarray | None = None) -> tuple:
+def _sample(plant: Plant, targets: np.ndarray, velocity: np.ndarray | None = None) -> Sample:
     """Average the effort while the targets are followed; time and position at the window's middle, velocity over it."""
     t_s, readings, efforts = plant.state.t_s + len(targets) * TIME_STEP_S / 2, [plant.reading_m], []
     for target in targets:
@@ -159,7 +167,7 @@ def _sample(plant: Plant, targets: np.ndarray, velocity: np.ndarray | None = Non
     if velocity is None:
         velocity = (readings[-1] - readings[0]) / (len(targets) * TIME_STEP_S)
     middle = readings[len(readings) // 2 + 1]
-    return t_s, plant.temperature_c(), middle, velocity, np.mean(efforts, axis=0)
+    return Sample(t_s, middle, velocity, np.mean(efforts, axis=0), plant.temperature_c())
 
 
 def _approach_profile() -> np.ndarray:
@@ -172,15 +180,15 @@ def _approach_profile() -> np.ndarray:
     return TIME_STEP_S * (rate.sum() - np.cumsum(rate))
 
 
-def _path(n_samples: int, start_rad: np.ndarray, speed: float, p: RobotParameters) -> np.ndarray:
-    """Targets (steps, 3), m: two tilts and the torsion oscillate, out along the path and back to its start."""
-    steps = n_samples * _SAMPLE_STEPS
-    travel = (1.0 - np.cos(2 * np.pi * np.arange(steps) / steps)) / 2
-    phase = speed * _PHASE_PER_SAMPLE_RAD * n_samples * travel
-    tilt_x, tilt_y, torsion = np.sin(np.outer(_PATH_FREQUENCIES, phase) + start_rad[:, None])
-    tilt = _PATH_FILL * np.deg2rad(p.tilt_max_deg) * np.hypot(tilt_x, tilt_y)
-    torsion = _PATH_FILL * np.deg2rad(p.torsion_max_deg) * torsion
-    return inverse_kinematics(pose(np.arctan2(tilt_y, tilt_x), tilt, torsion), p)
+def _path(done: np.ndarray, phase_rad: float, start_rad: np.ndarray, p: RobotParameters) -> np.ndarray:
+    """Targets (n, 3), m, where parts 0..1 (n,) of the motion are done.
+
+    Two tilts and the torsion oscillate, up to a phase and back to their start.
+    """
+    phase = phase_rad * (1.0 - np.cos(2 * np.pi * done)) / 2
+    tilt_x, tilt_y, torsion = _PATH_FILL * np.sin(np.outer(_PATH_FREQUENCIES, phase) + start_rad[:, None])
+    tilt = np.deg2rad(p.tilt_max_deg) * np.hypot(tilt_x, tilt_y)
+    return inverse_kinematics(pose(np.arctan2(tilt_y, tilt_x), tilt, np.deg2rad(p.torsion_max_deg) * torsion), p)
 
 
 def log_csv(log: Log, with_temperature: bool = False) -> str:

@@ -2,8 +2,7 @@
 
 Each effect acts where it would in the machine: on the engine's model (masses, springs, dampers, friction in joints),
 as a force on the carriages, on the encoder's reading, or on the current that the drive reports. Signs are chosen so
-that the measured effort is f_exp = f_model(q) + effect with the effect as named in the table of ``docs``; friction
-opposes motion, so holding and moving take more of it in the direction of travel.
+that the measured effort is f_exp = f_model(q) + effect, with q as read and the effect as its class states it. SI units.
 """
 
 from dataclasses import dataclass, field
@@ -31,8 +30,6 @@ class Range(NamedTuple):
 
 
 EITHER = (-1.0, 1.0)
-
-
 NOT_DRAWN = Range(0.0, 0.0)
 
 
@@ -127,8 +124,10 @@ class CoulombFriction(Effect):
 
 
 class ViscousFriction(Effect):
+    """b v."""
+
     name = "viscous_friction"
-    ranges: ClassVar = {"b": Range(60.0, 400.0)}  # N s/m
+    ranges: ClassVar = {"b": Range(60.0, 400.0)}
 
     def install(self, robot):
         robot.model.dof_damping[robot.motor_dofs] += self.b
@@ -166,10 +165,10 @@ class LoadDependentFriction(Effect):
 
 
 class Backlash(Effect):
-    """Lost motion: the encoder, on the motor's side, leads the carriage by half the gap in the direction of travel."""
+    """f_model(q - gap/2 sign(v)) - f_model(q): the encoder, on the motor's side, leads by half the gap."""
 
     name = "backlash"
-    ranges: ClassVar = {"gap": Range(0.0015, 0.004)}  # m
+    ranges: ClassVar = {"gap": Range(0.0015, 0.004)}
 
     def reset(self, state):
         self._last_m, self._lead_m = state.q_m, np.sign(state.v_mps) * self.gap / 2
@@ -223,6 +222,8 @@ class BaseTilt(Effect):
 
 
 class ThrustConstant(Effect):
+    """gain f."""
+
     name = "thrust_constant"
     ranges: ClassVar = {"gain": Range(0.005, 0.06, signs=EITHER)}
 
@@ -231,18 +232,20 @@ class ThrustConstant(Effect):
 
 
 class EncoderOffset(Effect):
-    """The carriage is at the reading plus the offset."""
+    """f_model(q + offset) - f_model(q): the carriage is at the reading plus the offset."""
 
     name = "encoder_offset"
-    ranges: ClassVar = {"offset": Range(0.001, 0.004, signs=EITHER)}  # m
+    ranges: ClassVar = {"offset": Range(0.001, 0.004, signs=EITHER)}
 
     def shift_m(self, state):
         return -self.offset
 
 
 class CurrentOffset(Effect):
+    """o."""
+
     name = "current_offset"
-    ranges: ClassVar = {"o": Range(0.2, 3.0, signs=EITHER)}  # N
+    ranges: ClassVar = {"o": Range(0.2, 3.0, signs=EITHER)}
 
     def effort_n(self, effort_n, state):
         return effort_n + self.o
@@ -252,17 +255,17 @@ class CableSpring(Effect):
     """k (q - q0)."""
 
     name = "cable_spring"
-    ranges: ClassVar = {"k": Range(6.0, 60.0), "q0": Range(0.01, 0.06, signs=EITHER)}  # N/m, m
+    ranges: ClassVar = {"k": Range(6.0, 60.0), "q0": Range(0.01, 0.06, signs=EITHER)}
 
     def force_n(self, state):
         return -self.k * (state.q_m - self.q0)
 
 
 class LinkCompliance(Effect):
-    """The carriage is at the reading plus c times the motor force; c is negative, as what is pushed gives way."""
+    """f_model(q + c f) - f_model(q); c, m/N, is negative, as what is pushed gives way."""
 
     name = "link_compliance"
-    ranges: ClassVar = {"c": Range(1.2e-5, 3e-5, signs=(-1.0,))}  # m/N
+    ranges: ClassVar = {"c": Range(1.2e-5, 3e-5, signs=(-1.0,))}
 
     def reset(self, state):
         self._force_n = state.motor_n
@@ -301,7 +304,7 @@ class PreslidingHysteresis(Effect):
     """Dahl friction: dF/dq = (fc/travel)(1 - F sign(v)/fc)."""
 
     name = "presliding_hysteresis"
-    ranges: ClassVar = {"fc": Range(0.6, 3.0), "travel": Range(0.002, 0.006, per_axis=False)}  # N, m
+    ranges: ClassVar = {"fc": Range(0.6, 3.0), "travel": Range(0.002, 0.006, per_axis=False)}
 
     def reset(self, state):
         self._friction_n = self.fc * np.sign(state.v_mps)
@@ -318,7 +321,7 @@ class SoftStop(Effect):
 
     name = "soft_stop"
     on_list = False
-    ranges: ClassVar = {"k": Range(600.0, 3000.0), "q0": Range(0.03, 0.07)}  # N/m^2, m
+    ranges: ClassVar = {"k": Range(600.0, 3000.0), "q0": Range(0.03, 0.07)}
 
     def force_n(self, state):
         return -self.k * np.maximum(state.q_m - self.q0, 0.0) ** 2
@@ -351,7 +354,7 @@ class MagneticSaturation(Effect):
 
     name = "magnetic_saturation"
     on_list = False
-    ranges: ClassVar = {"f_sat": Range(250.0, 600.0)}  # N
+    ranges: ClassVar = {"f_sat": Range(250.0, 600.0)}
 
     def effort_n(self, effort_n, state):
         return effort_n * (1.0 + (effort_n / self.f_sat) ** 2)

@@ -48,13 +48,10 @@ class Plant:
         robot, state = self.robot, self.state
         state.t_s, state.q_m, state.v_mps = t_s, q_m, v_mps
         state.statics_n = state.motor_n = holding_forces_at(q_m, self.parameters)
-        for effect in self._effects:
-            effect.reset(state)
-        position = q_m - sum(shift(state) for shift in self._shifts)
-        robot.set_pose(direct_kinematics(position, self.parameters), v_mps)
-        state.q_m = position
-        for effect in self._effects:
-            effect.reset(state)
+        self._reset_effects()
+        state.q_m = q_m - sum(shift(state) for shift in self._shifts)
+        self._reset_effects()  # asking for the shift was a step of their history
+        robot.set_pose(direct_kinematics(state.q_m, self.parameters), v_mps)
         self._apply_forces()
         state.motor_n = robot.equilibrium_forces()
         self.reading_m = self._read()
@@ -92,6 +89,10 @@ class Plant:
         has_diverged = any(warning.number for warning in self.robot.data.warning)
         if has_diverged or not np.abs(self._pid[0]).max() < _LARGEST_ERROR_M:
             raise InputError("the PID can't move the prototype with these effects; make them smaller")
+
+    def _reset_effects(self) -> None:
+        for effect in self._effects:
+            effect.reset(self.state)
 
     def _read(self) -> np.ndarray:
         count = self.parameters.encoder_m_per_count
