@@ -29,10 +29,11 @@ end entity gc_activation;
 
 architecture rtl of gc_activation is
 
-  constant product_bits_c : positive                            := 2 * operand_bits_c;
-  constant drop_c         : positive                            := preactivation_fraction_c + slope_fraction_c - hidden_fraction_c;
+  constant product_bits_c : positive := 2 * operand_bits_c;
+  constant drop_c         : positive := preactivation_fraction_c + slope_fraction_c - hidden_fraction_c;
   -- beta with 18 fraction bits.
-  constant beta_c         : signed(operand_bits_c + 1 downto 0) := to_signed(2 ** (slope_fraction_c + 1), operand_bits_c + 2);
+  constant beta_c         : signed(operand_bits_c + 1 downto 0) := to_signed(2 ** (slope_fraction_c + 1),
+                                                                             operand_bits_c + 2);
 
   signal valid_1 : std_ulogic := '0';
   signal a_1     : operand_t;
@@ -49,7 +50,7 @@ begin
   begin
 
     if rising_edge(clk) then
-      a_1       <= in_a;
+      a_1 <= in_a;
       theta_a_v := resize(in_a, operand_bits_c + 2);
       if in_a(in_a'high) = '1' then
         slope_1 <= truncate(beta_c + theta_a_v, 1, operand_bits_c);

@@ -32,7 +32,7 @@ end entity gc_adder_tree;
 
 architecture rtl of gc_adder_tree is
 
-  constant depth_c  : natural  := tree_depth(terms_g);
+  constant depth_c  : natural := tree_depth(terms_g);
   -- Terms after padding with zeros to a power of two; adders of two zeros vanish in synthesis.
   constant leaves_c : positive := 2 ** depth_c;
 
@@ -88,6 +88,6 @@ begin
   end generate g_valid;
 
   out_valid <= valid(depth_c);
-  out_sum   <= node(1);
+  out_sum <= node(1);
 
 end architecture rtl;

@@ -46,7 +46,7 @@ architecture rtl of gc_core is
 
   constant steps_c  : positive := hidden_c / lanes_g;
   -- With 20 clocks per inference one multiplier per scaler is enough.
-  constant serial_c : boolean  := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
+  constant serial_c : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
   -- From x to force: lane, activation, output layer, output scaler.
   constant delay_c  : positive := (3 + tree_depth(inputs_c + 1)) + 3 + (steps_c - 1 + 3 + tree_depth(lanes_g))
                                  + (1 + scale_latency(outputs_c, serial_c));
@@ -70,7 +70,7 @@ begin
     severity failure;
 
   in_ready <= '1' when wait_clocks = 0 else '0';
-  accept   <= '1' when in_valid = '1' and wait_clocks = 0 else '0';
+  accept <= '1' when in_valid = '1' and wait_clocks = 0 else '0';
 
   -- One inference per steps_c clocks at the input, steps_c clocks of the lanes for each x.
   p_sequence : process (clk) is
@@ -89,7 +89,7 @@ begin
       end if;
       if rst = '1' then
         wait_clocks <= 0;
-        step        <= 0;
+        step <= 0;
       end if;
     end if;
 

@@ -29,8 +29,8 @@ end entity gc_current_scaler;
 
 architecture rtl of gc_current_scaler is
 
-  constant product_bits_c : positive                            := force_bits_c + operand_bits_c;
-  constant factor_c       : operand_t                           := to_signed(current_scale_c, operand_bits_c);
+  constant product_bits_c : positive := force_bits_c + operand_bits_c;
+  constant factor_c       : operand_t := to_signed(current_scale_c, operand_bits_c);
   constant half_c         : signed(product_bits_c - 1 downto 0) := to_signed(2 ** (current_scale_fraction_c - 1),
                                                                              product_bits_c);
 

@@ -133,7 +133,7 @@ package body gc_fixed_pkg is
       return resize(value, bits);
     end if;
 
-    limit_v           := (others => not value_a(value_a'high));
+    limit_v := (others => not value_a(value_a'high));
     limit_v(bits - 1) := value_a(value_a'high);
     return limit_v;
 

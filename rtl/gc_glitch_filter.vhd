@@ -34,8 +34,8 @@ begin
 
   g_wires : if samples_g = 0 generate
 
-    out_valid   <= in_valid;
-    out_level   <= in_level;
+    out_valid <= in_valid;
+    out_level <= in_level;
     out_dropped <= '0';
 
   else generate
@@ -48,8 +48,8 @@ begin
 
   begin
 
-    out_valid   <= known;
-    out_level   <= level;
+    out_valid <= known;
+    out_level <= level;
     out_dropped <= dropped;
 
     p_filter : process (clk) is
@@ -83,8 +83,8 @@ begin
         run <= run_v;
 
         if rst = '1' or in_valid = '0' then
-          known   <= '0';
-          run     <= 0;
+          known <= '0';
+          run <= 0;
           dropped <= '0';
         end if;
       end if;

@@ -19,7 +19,7 @@ entity gc_hidden_lane is
   generic (
     -- Lanes, and which of them this is.
     lanes_g : positive := 1;
-    lane_g  : natural  := 0
+    lane_g  : natural := 0
   );
   port (
     clk       : in    std_ulogic;
@@ -122,7 +122,7 @@ begin
   begin
 
     if rising_edge(clk) then
-      a       <= saturate(truncate(sum, preactivation_drop_c, sum_bits_c - preactivation_drop_c), operand_bits_c);
+      a <= saturate(truncate(sum, preactivation_drop_c, sum_bits_c - preactivation_drop_c), operand_bits_c);
       valid_a <= sum_valid;
       if rst = '1' then
         valid_a <= '0';
@@ -132,6 +132,6 @@ begin
   end process p_saturate;
 
   out_valid <= valid_a;
-  out_a     <= a;
+  out_a <= a;
 
 end architecture rtl;

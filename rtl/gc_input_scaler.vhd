@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 --
--- x = S_i count: clamps each encoder count to the trained range, drops count_shift_c bits, multiplies by the input scale.
+-- x = S_i count: clamps each encoder count to the trained range, drops count_shift_c bits, multiplies by the scale.
 --
 -- The offset of the normalisation and the half LSBs of the two truncations are part of the hidden biases.
 -- Formats: 32-bit counts -> 18 bits, x_fraction_c. Latency: 3 clocks, or inputs_c + 3 with one multiplier; out_x holds
@@ -59,7 +59,7 @@ begin
 
       if rising_edge(clk) then
         if in_valid = '1' then
-          count_v   := in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
+          count_v := in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
           clamped_v := '1';
           if count_v < count_low_c(i) then
             count_v := to_signed(count_low_c(i), count_bits_c);
@@ -69,7 +69,7 @@ begin
             clamped_v := '0';
           end if;
           code_1((i + 1) * operand_bits_c - 1 downto i * operand_bits_c)
-                       <= truncate(count_v, count_shift_c, operand_bits_c);
+ <= truncate(count_v, count_shift_c, operand_bits_c);
           clamped_1(i) <= clamped_v;
         end if;
       end if;

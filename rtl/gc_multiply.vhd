@@ -44,12 +44,12 @@ begin
 
     if rising_edge(clk) then
       -- stage 1
-      a_1       <= in_a;
-      b_1       <= in_b;
-      valid_1   <= in_valid;
+      a_1 <= in_a;
+      b_1 <= in_b;
+      valid_1 <= in_valid;
       -- stage 2
       product_2 <= a_1 * b_1;
-      valid_2   <= valid_1;
+      valid_2 <= valid_1;
       if rst = '1' then
         valid_1 <= '0';
         valid_2 <= '0';
@@ -58,7 +58,7 @@ begin
 
   end process p_multiply;
 
-  out_valid   <= valid_2;
+  out_valid <= valid_2;
   out_product <= product_2;
 
 end architecture rtl;

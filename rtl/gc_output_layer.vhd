@@ -46,7 +46,7 @@ architecture rtl of gc_output_layer is
   signal tree       : signed(outputs_c * sum_bits_c - 1 downto 0);
   signal tree_valid : std_ulogic_vector(outputs_c - 1 downto 0);
   signal step       : natural range 0 to steps_c - 1 := 0;
-  signal valid_acc  : std_ulogic                     := '0';
+  signal valid_acc  : std_ulogic := '0';
   signal acc        : signed(outputs_c * sum_bits_c - 1 downto 0);
 
 begin
@@ -149,14 +149,14 @@ begin
       valid_acc <= '0';
       if tree_valid(0) = '1' then
         if step = steps_c - 1 then
-          step      <= 0;
+          step <= 0;
           valid_acc <= '1';
         else
           step <= step + 1;
         end if;
       end if;
       if rst = '1' then
-        step      <= 0;
+        step <= 0;
         valid_acc <= '0';
       end if;
     end if;

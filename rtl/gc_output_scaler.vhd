@@ -58,10 +58,10 @@ begin
 
       if rising_edge(clk) then
         if in_valid = '1' then
-          total_v                                                     := truncate(in_total((i + 1) * output_sum_bits_c - 1 downto i * output_sum_bits_c), output_drop_c,
-                                                                                  kept_bits_c);
+          total_v := truncate(in_total((i + 1) * output_sum_bits_c - 1 downto i * output_sum_bits_c), output_drop_c,
+                              kept_bits_c);
           y_1((i + 1) * operand_bits_c - 1 downto i * operand_bits_c) <= saturate(total_v, operand_bits_c);
-          saturated_1(i)                                              <= overflows(total_v, operand_bits_c);
+          saturated_1(i) <= overflows(total_v, operand_bits_c);
         end if;
       end if;
 

@@ -2,14 +2,14 @@
 --
 -- Incremental encoder interface of one axis: synchroniser, glitch filter, x4 decoding, index, speed.
 --
---   phase = 0 1 2 3  <=>  (a, b) = 00 10 11 01;  count := count + 1, - 1 for phase + 1, - 1 modulo 4 (a leads b: up)
+--   phase = 0 1 2 3 <=>  (a, b) = 00 10 11 01;  count := count + 1, - 1 for phase + 1, - 1 modulo 4 (a leads b: up)
 --
 -- pins a, b, z -> signed 32-bit count (encoder counts after x4 decoding) and speed (see gc_speed_meter).
 -- Latency: sync_stages_g + filter_samples_g + 1 clocks from the first clock edge that samples a pin's new level (that
 -- edge included) to count, direction and sts_*; 3 clocks more to speed_*.
 -- Start: count_valid rises, with count = 0, once both levels are known; the state found then is the start, no edge is
 -- invented. It takes sync_stages_g + filter_samples_g + 1 clocks after reset on quiet pins.
--- Limit speed: each level of a and b must last max(filter_samples_g, 2) clock edges, and a and b must not change between
+-- Limit speed: each level of a and b must last max(filter_samples_g, 2) clock edges; a and b must not change between
 -- the same two: 2 counts per max(filter_samples_g, 2) clocks. Pins asynchronous to clk: leave one clock more.
 -- Beyond the limit no count is lost silently: pulses that the filter drops set sts_glitch, simultaneous changes
 -- set sts_illegal, as long as the encoder accelerates through the limit and doesn't jump past it within a clock.
@@ -17,7 +17,7 @@
 -- missing in an unknown direction until the next homing.
 -- Overflow: count wraps modulo 2**32 (2**31 - 1 is followed by -2**31) without a flag.
 -- Index: homing is armed by a rising cfg_home_enable (which clears sts_referenced) and disarmed by a low one. The first
--- clock with z = '1' in phase index_phase_g sets count to cfg_index_position and sts_referenced, and disarms. The place is
+-- clock with z = '1' in phase index_phase_g sets count to cfg_index_position and sts_referenced, and disarms. That is
 -- one quarter of an encoder cycle, the same from both directions and whatever the width of z, provided that z covers
 -- that phase of just one cycle (gated index, or ungated up to one cycle wide). Later indices change nothing.
 
@@ -30,9 +30,9 @@ entity gc_quad_decoder is
     -- flip-flops per pin against metastability, at least 2
     sync_stages_g    : positive := 2;
     -- clocks that a level must last, 0 = no filter
-    filter_samples_g : natural  := 4;
+    filter_samples_g : natural := 4;
     -- phase in which the index is taken, 0 .. 3; 2 is a = b = '1'
-    index_phase_g    : natural  := 2;
+    index_phase_g    : natural := 2;
     -- clocks without an edge that count as standstill, 1 .. 2**29 - 1
     speed_timeout_g  : positive := 10_000_000
   );
@@ -50,11 +50,11 @@ entity gc_quad_decoder is
     -- '1' clears sts_illegal and sts_glitch; an event in the same clock wins
     cfg_clear          : in    std_ulogic;
     -- count is meaningful; a level, high until reset
-    count_valid        : out   std_ulogic          := '0';
+    count_valid        : out   std_ulogic := '0';
     -- encoder counts, two's complement
     count              : out   signed(31 downto 0) := (others => '0');
     -- direction of the last count, '1' = up
-    direction          : out   std_ulogic          := '0';
+    direction          : out   std_ulogic := '0';
     -- speed_period is measured, or the axis stands still
     speed_valid        : out   std_ulogic;
     -- no edge for speed_timeout_g clocks
@@ -62,11 +62,11 @@ entity gc_quad_decoder is
     -- clocks per 4 counts, negative when counting down; 2**31 - 1 when still or not measured
     speed_period       : out   signed(31 downto 0);
     -- count refers to the index
-    sts_referenced     : out   std_ulogic          := '0';
+    sts_referenced     : out   std_ulogic := '0';
     -- a and b changed at once since the last cfg_clear: counts are missing
-    sts_illegal        : out   std_ulogic          := '0';
+    sts_illegal        : out   std_ulogic := '0';
     -- the filter dropped a pulse of a or b since the last cfg_clear: noise, or the encoder is too fast
-    sts_glitch         : out   std_ulogic          := '0'
+    sts_glitch         : out   std_ulogic := '0'
   );
 end entity gc_quad_decoder;
 
@@ -80,10 +80,10 @@ architecture rtl of gc_quad_decoder is
   signal dropped       : std_ulogic_vector(2 downto 0);
   signal phase         : unsigned(1 downto 0);
   signal phase_1       : unsigned(1 downto 0) := (others => '0');
-  signal home_enable_1 : std_ulogic           := '0';
-  signal armed         : std_ulogic           := '0';
-  signal step_valid    : std_ulogic           := '0';
-  signal step_lost     : std_ulogic           := '0';
+  signal home_enable_1 : std_ulogic := '0';
+  signal armed         : std_ulogic := '0';
+  signal step_valid    : std_ulogic := '0';
+  signal step_lost     : std_ulogic := '0';
 
 begin
 
@@ -132,11 +132,11 @@ begin
 
     if rising_edge(clk) then
       step_valid <= '0';
-      step_lost  <= '0';
+      step_lost <= '0';
 
       if cfg_clear = '1' then
         sts_illegal <= '0';
-        sts_glitch  <= '0';
+        sts_glitch <= '0';
       end if;
       if dropped(0) = '1' or dropped(1) = '1' then
         sts_glitch <= '1';
@@ -144,7 +144,7 @@ begin
 
       if valid(0) = '1' and valid(1) = '1' then
         count_valid <= '1';
-        phase_1     <= phase;
+        phase_1 <= phase;
       end if;
 
       change_v := phase - phase_1;
@@ -154,21 +154,21 @@ begin
 
           when "01" =>
 
-            count      <= count + 1;
-            direction  <= '1';
+            count <= count + 1;
+            direction <= '1';
             step_valid <= '1';
 
           when "11" =>
 
-            count      <= count - 1;
-            direction  <= '0';
+            count <= count - 1;
+            direction <= '0';
             step_valid <= '1';
 
           when "10" =>
 
-            sts_illegal    <= '1';
+            sts_illegal <= '1';
             sts_referenced <= '0';
-            step_lost      <= '1';
+            step_lost <= '1';
 
           when others =>
 
@@ -182,26 +182,26 @@ begin
       home_enable_1 <= cfg_home_enable;
       if cfg_home_enable = '1' then
         if home_enable_1 = '0' then
-          armed          <= '1';
+          armed <= '1';
           sts_referenced <= '0';
         elsif armed = '1' and count_valid = '1' and valid(2) = '1' and level(2) = '1' and phase = index_phase_g then
-          armed          <= '0';
-          count          <= cfg_index_position;
+          armed <= '0';
+          count <= cfg_index_position;
           sts_referenced <= '1';
         end if;
       end if;
 
       if rst = '1' then
-        count_valid    <= '0';
-        count          <= (others => '0');
-        direction      <= '0';
+        count_valid <= '0';
+        count <= (others => '0');
+        direction <= '0';
         sts_referenced <= '0';
-        sts_illegal    <= '0';
-        sts_glitch     <= '0';
-        home_enable_1  <= '0';
-        armed          <= '0';
-        step_valid     <= '0';
-        step_lost      <= '0';
+        sts_illegal <= '0';
+        sts_glitch <= '0';
+        home_enable_1 <= '0';
+        armed <= '0';
+        step_valid <= '0';
+        step_lost <= '0';
       end if;
     end if;
 

@@ -18,7 +18,7 @@ entity gc_scale is
     -- Number of values.
     values_g  : positive := 3;
     -- One multiplier for all values, in turn.
-    serial_g  : boolean  := false;
+    serial_g  : boolean := false;
     -- The factors, 18 bits each, factor 0 lowest.
     factors_g : signed
   );
@@ -35,7 +35,7 @@ end entity gc_scale;
 
 architecture rtl of gc_scale is
 
-  constant product_bits_c : positive                                       := 2 * operand_bits_c;
+  constant product_bits_c : positive := 2 * operand_bits_c;
   constant factors_c      : signed(values_g * operand_bits_c - 1 downto 0) := factors_g;
 
 begin
@@ -89,13 +89,13 @@ begin
     p_select : process (all) is
     begin
 
-      value  <= in_values(operand_bits_c - 1 downto 0);
+      value <= in_values(operand_bits_c - 1 downto 0);
       factor <= factors_c(operand_bits_c - 1 downto 0);
 
       for i in 1 to last_c loop
 
         if turn = i then
-          value  <= in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
+          value <= in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
           factor <= factors_c((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
         end if;
 
@@ -130,24 +130,24 @@ begin
         valid <= '0';
         if product_valid = '1' then
           if arrived = last_c then
-            arrived  <= 0;
+            arrived <= 0;
             products <= product & waiting;
-            valid    <= '1';
+            valid <= '1';
           else
             arrived <= arrived + 1;
             waiting <= product & waiting(waiting'high downto product_bits_c);
           end if;
         end if;
         if rst = '1' then
-          turn    <= 0;
+          turn <= 0;
           arrived <= 0;
-          valid   <= '0';
+          valid <= '0';
         end if;
       end if;
 
     end process p_collect;
 
-    out_valid    <= valid;
+    out_valid <= valid;
     out_products <= products;
   end generate g_serial;
 

@@ -36,8 +36,8 @@ entity gc_speed_meter is
     step_up      : in    std_ulogic;
     -- illegal transition, one clock: counts were lost
     step_lost    : in    std_ulogic;
-    speed_valid  : out   std_ulogic          := '0';
-    speed_zero   : out   std_ulogic          := '0';
+    speed_valid  : out   std_ulogic := '0';
+    speed_zero   : out   std_ulogic := '0';
     -- clocks per 4 counts, negative when counting down
     speed_period : out   signed(31 downto 0) := (31 => '0', others => '1')
   );
@@ -46,7 +46,7 @@ end entity gc_speed_meter;
 architecture rtl of gc_speed_meter is
 
   -- the edge that ends a period of four counts is the fifth
-  constant edges_c   : positive            := 5;
+  constant edges_c   : positive := 5;
   constant slowest_c : signed(31 downto 0) := (31 => '0', others => '1');
 
   -- holds the longest period, 4 timeout_g: now may wrap, a difference that short is exact
@@ -56,20 +56,20 @@ architecture rtl of gc_speed_meter is
 
   type stamps_t is array (1 to edges_c - 1) of clocks_t;
 
-  signal now   : clocks_t                     := (others => '0');
-  signal stamp : stamps_t                     := (others => (others => '0'));
+  signal now   : clocks_t := (others => '0');
+  signal stamp : stamps_t := (others => (others => '0'));
   signal idle  : natural range 0 to timeout_g := 0;
 
   signal edges_1   : natural range 0 to edges_c := 0;
-  signal up_1      : std_ulogic                 := '0';
-  signal step_1    : std_ulogic                 := '0';
-  signal zero_1    : std_ulogic                 := '0';
-  signal elapsed_1 : clocks_t                   := (others => '0');
+  signal up_1      : std_ulogic := '0';
+  signal step_1    : std_ulogic := '0';
+  signal zero_1    : std_ulogic := '0';
+  signal elapsed_1 : clocks_t := (others => '0');
 
   signal valid_2  : std_ulogic := '0';
   signal up_2     : std_ulogic := '0';
   signal zero_2   : std_ulogic := '0';
-  signal period_2 : clocks_t   := (others => '0');
+  signal period_2 : clocks_t := (others => '0');
 
 begin
 
@@ -82,25 +82,25 @@ begin
 
     if rising_edge(clk) then
       -- stage 1: edges in one direction, clocks since the fourth-last of them
-      now       <= now + 1;
+      now <= now + 1;
       elapsed_1 <= now - stamp(stamp'high);
-      step_1    <= step_valid;
+      step_1 <= step_valid;
       if step_valid = '1' then
-        stamp  <= now & stamp(1 to stamp'high - 1);
-        idle   <= 0;
+        stamp <= now & stamp(1 to stamp'high - 1);
+        idle <= 0;
         zero_1 <= '0';
-        up_1   <= step_up;
+        up_1 <= step_up;
         if edges_1 = 0 or step_up /= up_1 then
           edges_1 <= 1;
         elsif edges_1 < edges_c then
           edges_1 <= edges_1 + 1;
         end if;
       elsif step_lost = '1' then
-        idle    <= 0;
-        zero_1  <= '0';
+        idle <= 0;
+        zero_1 <= '0';
         edges_1 <= 0;
       elsif idle = timeout_g - 1 then
-        zero_1  <= '1';
+        zero_1 <= '1';
         edges_1 <= 0;
       else
         idle <= idle + 1;
@@ -108,15 +108,15 @@ begin
 
       -- stage 2: measured at an edge, stretched while the next one is overdue
       valid_2 <= '1' when edges_1 = edges_c else '0';
-      up_2    <= up_1;
-      zero_2  <= zero_1;
+      up_2 <= up_1;
+      zero_2 <= zero_1;
       if step_1 = '1' or elapsed_1 > period_2 then
         period_2 <= elapsed_1;
       end if;
 
       -- stage 3: sign
       speed_valid <= valid_2 or zero_2;
-      speed_zero  <= zero_2;
+      speed_zero <= zero_2;
       if valid_2 = '0' then
         speed_period <= slowest_c;
       elsif up_2 = '1' then
@@ -126,13 +126,13 @@ begin
       end if;
 
       if rst = '1' then
-        edges_1      <= 0;
-        idle         <= 0;
-        zero_1       <= '0';
-        valid_2      <= '0';
-        zero_2       <= '0';
-        speed_valid  <= '0';
-        speed_zero   <= '0';
+        edges_1 <= 0;
+        idle <= 0;
+        zero_1 <= '0';
+        valid_2 <= '0';
+        zero_2 <= '0';
+        speed_valid <= '0';
+        speed_zero <= '0';
         speed_period <= slowest_c;
       end if;
     end if;

@@ -30,7 +30,7 @@ architecture rtl of gc_synchronizer is
 
   type stages_t is array (1 to stages_g) of std_ulogic_vector(width_g - 1 downto 0);
 
-  signal stage  : stages_t                         := (others => (others => '0'));
+  signal stage  : stages_t := (others => (others => '0'));
   signal filled : std_ulogic_vector(1 to stages_g) := (others => '0');
 
   -- Vivado keeps the chain together and out of shift-register LUTs; other tools ignore the attribute.
@@ -44,13 +44,13 @@ begin
     severity failure;
 
   out_valid <= filled(stages_g);
-  out_data  <= stage(stages_g);
+  out_data <= stage(stages_g);
 
   p_synchronize : process (clk) is
   begin
 
     if rising_edge(clk) then
-      stage  <= async_data & stage(1 to stages_g - 1);
+      stage <= async_data & stage(1 to stages_g - 1);
       filled <= '1' & filled(1 to stages_g - 1);
 
       if rst = '1' then

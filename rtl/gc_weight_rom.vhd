@@ -21,7 +21,7 @@ entity gc_weight_rom is
     words_g     : positive := 20;
     -- Lanes, and which of them this is.
     lanes_g     : positive := 1;
-    lane_g      : natural  := 0;
+    lane_g      : natural := 0;
     -- The table, word 0 lowest.
     table_g     : std_ulogic_vector
   );
@@ -54,7 +54,7 @@ architecture rtl of gc_weight_rom is
 
     for k in 0 to steps_c - 1 loop
 
-      low_v      := (k * lanes_g + lane_g) * word_bits_g;
+      low_v := (k * lanes_g + lane_g) * word_bits_g;
       words_v(k) := table_a(low_v + word_bits_g - 1 downto low_v);
 
     end loop;
@@ -79,7 +79,7 @@ begin
 
   g_rom : if steps_c > 1 generate
     signal address : natural range 0 to depth_c - 1 := 0;
-    signal word    : word_t                         := rom_c(0);
+    signal word    : word_t := rom_c(0);
   begin
 
     p_rom : process (clk) is
@@ -97,7 +97,7 @@ begin
           next_v := 0;
         end if;
         address <= next_v;
-        word    <= rom_c(next_v);
+        word <= rom_c(next_v);
       end if;
 
     end process p_rom;

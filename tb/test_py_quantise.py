@@ -43,11 +43,8 @@ def test_core_stays_within_3_mn_rms_and_15_mn_of_the_float_network(network, fixe
 
 def test_whole_workspace_lies_inside_the_trained_range(fixed):
     """The corners of tilt and torsion, not just a sample: no pose of the workspace is clamped."""
-    from gravcomp.robot.workspace import pose
-
-    azimuth, torsion = np.meshgrid(
-        np.linspace(0, 2 * np.pi, 721), np.deg2rad([-P.torsion_max_deg, 0, P.torsion_max_deg])
-    )
+    torsions = np.deg2rad([-P.torsion_max_deg, 0, P.torsion_max_deg])
+    azimuth, torsion = np.meshgrid(np.linspace(0, 2 * np.pi, 721), torsions)
     assert not bittrue.core(counts_at(pose(azimuth, np.deg2rad(P.tilt_max_deg), torsion), P), fixed).clamped.any()
 
 

@@ -1,0 +1,20 @@
+#!/bin/sh
+# VHDL: GHDL's warnings as errors, the synthesizability of both tops, and the style rules of vsg.yaml.
+set -eu
+cd "$(dirname "$0")/../rtl"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+options="--std=08 --workdir=$work"
+warnings="--warn-error --warn-library --warn-binding --warn-reserved --warn-delayed-checks --warn-body --warn-specs
+    --warn-runtime-error --warn-shared --warn-hide --warn-unused --warn-others --warn-pure --warn-static"
+
+# shellcheck disable=SC2086
+{
+    ghdl -a $options $warnings $(cat sources.f)
+    ghdl -a $options $warnings ../tb/hdl/*.vhd
+    for top in gc_core gc_top; do
+        ghdl --synth $options --out=none $top >"$work/$top.log" 2>&1 || { cat "$work/$top.log" >&2; exit 1; }
+    done
+}
+../.venv/bin/vsg --configuration ../scripts/vsg.yaml --filename ./*.vhd ../tb/hdl/*.vhd --output_format syntastic
