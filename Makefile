@@ -6,7 +6,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim test test-fast train table1 rom budget lint clean
+.PHONY: help setup sim test test-fast train table1 rom budget latency lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -37,6 +37,10 @@ rom: setup ## write rtl/generated from the CSV files in WEIGHTS
 budget: setup ## operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics
 	@$(PYTEST) -q tb/test_rtl_budget.py
 	@$(RUN)/gravcomp budget
+
+latency: setup ## initiation interval and latency per number of lanes, measured in simulation
+	@$(PYTEST) -q -n auto tb/test_rtl_core.py
+	@$(RUN)/gravcomp latency
 
 lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
 	@$(RUN)/ruff check . && $(RUN)/ruff format --check .

@@ -1,0 +1,38 @@
+"""gc_core with other networks: sizes come from the ROM package alone."""
+
+import numpy as np
+import pytest
+
+from gravcomp.network.rom import write_rom
+from gravcomp.network.weights import Network, save_network
+from gravcomp.robot.parameters import load_parameters
+from runner import simulate
+
+
+def random_network(n_axes: int, n_hidden: int) -> Network:
+    rng = np.random.default_rng(n_axes * 100 + n_hidden)
+    return Network(
+        hidden_weights=rng.uniform(-3, 3, (n_hidden, n_axes)),
+        hidden_bias=rng.uniform(-1, 1, n_hidden),
+        output_weights=rng.uniform(-1, 1, (n_axes, n_hidden)),
+        output_bias=rng.uniform(-0.2, 0.2, n_axes),
+        q_offset_m=rng.uniform(-0.05, 0.05, n_axes),
+        q_scale_per_m=rng.uniform(5, 8, n_axes),
+        f_offset_n=rng.uniform(-50, 50, n_axes),
+        f_scale_n=rng.uniform(40, 70, n_axes),
+    )
+
+
+@pytest.mark.parametrize(("n_axes", "n_hidden", "lanes"), [(3, 15, 5), (2, 8, 1), (1, 4, 4), (4, 6, 2)])
+def test_core_takes_its_sizes_from_the_rom(n_axes, n_hidden, lanes, tmp_path):
+    folder, generated = tmp_path / "weights", tmp_path / "generated"
+    save_network(random_network(n_axes, n_hidden), folder)
+    write_rom(folder, load_parameters(), generated)
+    simulate(
+        "gc_core",
+        "test_rtl_core",
+        generics={"lanes_g": lanes},
+        environment={"WEIGHTS": str(folder)},
+        generated=generated,
+        label=f"{n_axes}-{n_hidden}",
+    )
