@@ -1,8 +1,9 @@
 -- SPDX-License-Identifier: MIT
 --
--- Encoder pins in, force and current commands out: one decoder per axis, the network, currents i = f / K_t.
+-- Encoder pins in, force and current commands out: one decoder per axis, the network, the compensator, currents
+-- i = f / K_t.
 --
--- Latency from accepted in_valid to out_valid: that of gc_core and 4 clocks; from a pin to the count: see
+-- Latency from accepted in_valid to out_valid: that of gc_core and 16 clocks; from a pin to the count: see
 -- gc_quad_decoder. Overflow and illegal input: see the status ports; none is silent.
 
 library ieee;
@@ -17,7 +18,7 @@ entity gc_top is
     -- Neurons per clock; must divide the hidden size.
     lanes_g          : positive := 4;
     -- Clocks that an encoder level must last, 0 = no filter.
-    filter_samples_g : natural  := 4;
+    filter_samples_g : natural := 4;
     -- Clocks without an edge that count as standstill.
     speed_timeout_g  : positive := 10_000_000
   );
@@ -69,10 +70,17 @@ architecture rtl of gc_top is
   signal start         : std_ulogic;
   signal core_ready    : std_ulogic;
   signal core_valid    : std_ulogic;
+  signal period        : signed(inputs_c * 32 - 1 downto 0);
+  signal network_mn    : signed(outputs_c * force_bits_c - 1 downto 0);
   signal force_mn      : signed(outputs_c * force_bits_c - 1 downto 0);
   signal clamped       : std_ulogic_vector(inputs_c - 1 downto 0);
   signal saturated     : std_ulogic_vector(outputs_c - 1 downto 0);
-  -- Results of the core for the three clocks of the current scaler.
+  -- Flags of the core for the twelve clocks of the compensator.
+  signal flags         : std_ulogic_vector(inputs_c + outputs_c - 1 downto 0);
+  signal flags_12      : std_ulogic_vector(inputs_c + outputs_c - 1 downto 0);
+  signal force_valid   : std_ulogic;
+  signal unfit         : std_ulogic_vector(outputs_c - 1 downto 0);
+  -- Results for the three clocks of the current scaler.
   signal result        : std_ulogic_vector(force_mn'length + inputs_c + outputs_c - 1 downto 0);
   signal result_3      : std_ulogic_vector(force_mn'length + inputs_c + outputs_c - 1 downto 0);
   signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
@@ -102,7 +110,7 @@ begin
         direction          => sts_direction(i),
         speed_valid        => sts_speed_valid(i),
         speed_zero         => sts_speed_zero(i),
-        speed_period       => sts_speed_period((i + 1) * 32 - 1 downto i * 32),
+        speed_period       => period((i + 1) * 32 - 1 downto i * 32),
         sts_referenced     => sts_referenced(i),
         sts_illegal        => sts_illegal(i),
         sts_glitch         => sts_glitch(i)
@@ -128,7 +136,7 @@ begin
 
   end process p_counts_valid;
 
-  start    <= in_valid and counts_valid;
+  start <= in_valid and counts_valid;
   in_ready <= core_ready and counts_valid;
 
   i_core : entity work.gc_core
@@ -142,22 +150,49 @@ begin
       in_ready      => core_ready,
       in_count      => count,
       out_valid     => core_valid,
-      out_force     => force_mn,
+      out_force     => network_mn,
       out_clamped   => clamped,
       out_saturated => saturated
+    );
+
+  flags <= clamped & saturated;
+
+  i_flags : entity work.gc_delay
+    generic map (
+      bits_g   => flags'length,
+      clocks_g => 12
+    )
+    port map (
+      clk      => clk,
+      in_data  => flags,
+      out_data => flags_12
+    );
+
+  i_compensator : entity work.gc_compensator
+    port map (
+      clk           => clk,
+      rst           => rst,
+      in_valid      => core_valid,
+      in_force      => network_mn,
+      in_count      => count,
+      in_period     => period,
+      out_valid     => force_valid,
+      out_force     => force_mn,
+      out_saturated => unfit
     );
 
   i_current : entity work.gc_current_scaler
     port map (
       clk         => clk,
       rst         => rst,
-      in_valid    => core_valid,
+      in_valid    => force_valid,
       in_force    => force_mn,
       out_valid   => current_valid,
       out_current => current
     );
 
-  result <= std_ulogic_vector(force_mn) & clamped & saturated;
+  result <= std_ulogic_vector(force_mn) & flags_12(flags_12'high downto outputs_c)
+            & (flags_12(outputs_c - 1 downto 0) or unfit);
 
   i_result : entity work.gc_delay
     generic map (
@@ -177,16 +212,16 @@ begin
     if rising_edge(clk) then
       valid <= current_valid;
       if current_valid = '1' then
-        out_current   <= current;
-        out_force     <= signed(result_3(result_3'high downto inputs_c + outputs_c));
-        out_clamped   <= result_3(inputs_c + outputs_c - 1 downto outputs_c);
+        out_current <= current;
+        out_force <= signed(result_3(result_3'high downto inputs_c + outputs_c));
+        out_clamped <= result_3(inputs_c + outputs_c - 1 downto outputs_c);
         out_saturated <= result_3(outputs_c - 1 downto 0);
       end if;
       if rst = '1' then
-        valid         <= '0';
-        out_current   <= (others => '0');
-        out_force     <= (others => '0');
-        out_clamped   <= (others => '0');
+        valid <= '0';
+        out_current <= (others => '0');
+        out_force <= (others => '0');
+        out_clamped <= (others => '0');
         out_saturated <= (others => '0');
       end if;
     end if;
@@ -195,5 +230,7 @@ begin
 
   out_valid <= valid;
   sts_count <= count;
+
+  sts_speed_period <= period;
 
 end architecture rtl;

@@ -4,6 +4,7 @@ gc_speed_meter.vhd
 gc_quad_decoder.vhd
 gc_fixed_pkg.vhd
 generated/gc_network_pkg.vhd
+generated/gc_compensation_pkg.vhd
 gc_multiply.vhd
 gc_delay.vhd
 gc_adder_tree.vhd
@@ -15,5 +16,10 @@ gc_activation.vhd
 gc_output_layer.vhd
 gc_output_scaler.vhd
 gc_core.vhd
+gc_table.vhd
+gc_speed_code.vhd
+gc_friction.vhd
+gc_position_table.vhd
+gc_compensator.vhd
 gc_current_scaler.vhd
 gc_top.vhd

@@ -1,4 +1,4 @@
-"""Write the VHDL package of a network from its weights folder."""
+"""Write the VHDL packages of a network and its compensator from a weights folder."""
 
 from pathlib import Path
 
@@ -7,9 +7,9 @@ from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
 
 
 def add_arguments(parser):
-    parser.add_argument("--weights", type=Path, required=True, help="folder with hidden, output and scaling CSV")
+    parser.add_argument("--weights", type=Path, required=True, help="folder of CSV files")
     parser.add_argument("--robot", type=Path, default=NOMINAL_TOML, help="robot parameters (encoder, thrust constant)")
-    parser.add_argument("--out", type=Path, default=Path("rtl/generated"), help="folder of the package")
+    parser.add_argument("--out", type=Path, default=Path("rtl/generated"), help="folder of the packages")
 
 
 def run(arguments):

@@ -1,4 +1,4 @@
-"""Writes the VHDL package of one network: sizes, formats, constants, the words of the weight ROMs, the CSV's hash."""
+"""Writes the VHDL packages of one network: sizes, formats, constants, the words of the weight ROMs, the CSV's hash."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from gravcomp.files import write_atomically
 from gravcomp.network import quantise as q
+from gravcomp.network.compensation_rom import write_compensation_rom
 from gravcomp.network.quantise import FixedNetwork, quantise
 from gravcomp.network.weights import load_network, weights_hash
 from gravcomp.robot.parameters import RobotParameters
@@ -14,11 +15,13 @@ PACKAGE_FILE = "gc_network_pkg.vhd"
 
 
 def write_rom(folder: Path | str, p: RobotParameters, generated: Path | str) -> FixedNetwork:
-    """Write generated/gc_network_pkg.vhd from a weights folder; returns the network as the hardware holds it.
+    """Write gc_network_pkg.vhd and gc_compensation_pkg.vhd from a weights folder to generated/.
 
-    Raises InputError when the weights cannot be read or held; the old package is then untouched.
+    Returns the network as the hardware holds it. Raises InputError when the weights or the constants of the
+    compensator cannot be read or held; the old package is then untouched.
     """
     fixed = quantise(load_network(folder), p, folder)
+    write_compensation_rom(folder, fixed.n_axes, p, generated)
     write_atomically(Path(generated) / PACKAGE_FILE, package_text(fixed, weights_hash(folder), Path(folder).name))
     return fixed
 

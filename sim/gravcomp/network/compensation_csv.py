@@ -1,0 +1,194 @@
+"""Constants of the compensator: what the machine adds to the statics, by axis, and their file compensation.csv.
+
+A row is ``axis,name,value``; axis is 1, 2, 3 ... or ``all``; what isn't named is zero; ``#`` starts a comment line.
+Without the file every constant is zero and the compensator is transparent. Names, their units at the end:
+
+    clock_hz                of the FPGA, for all axes: speed comes as clocks per 4 counts
+    fc_pos_n, fc_neg_n      Coulomb friction when moving up and down
+    stribeck_n, vs_mps      what static friction adds, and the speed at which it fades: stribeck_n exp(-(v/vs)^2)
+    b_ns_per_m              viscous friction
+    mu                      load-dependent friction: mu |f|, f the network's force; without unit, |mu| < 1
+    v_dead_mps, v_full_mps  friction is 0 up to v_dead, whole from v_full on, linear in between; any friction needs both
+    v_max_mps               above it friction is that of v_max; 0 is no limit
+    pitch_m                 of the position table (cogging)
+    a<h>_n, p<h>_rad        amplitude and phase of its harmonic h: a sin(2 pi h q / pitch + p), h = 1 .. 32
+"""
+
+import csv
+import math
+import re
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from gravcomp.errors import InputError
+from gravcomp.files import write_atomically
+
+COMPENSATION_CSV = "compensation.csv"
+MAX_HARMONIC = 32  # of a table of 256 nodes: 8 nodes per wave
+_HEADER = ["axis", "name", "value"]
+_POSITIVE = ("clock_hz", "vs_mps", "v_dead_mps", "v_full_mps", "v_max_mps", "pitch_m")
+_FRICTION = ("fc_pos_n", "fc_neg_n", "stribeck_n", "b_ns_per_m", "mu")
+
+
+@dataclass(frozen=True)
+class Compensation:
+    """The constants of n axes, (n,) each, as named above; a_n, p_rad (n, MAX_HARMONIC), harmonic h in column h - 1."""
+
+    clock_hz: np.ndarray
+    fc_pos_n: np.ndarray
+    fc_neg_n: np.ndarray
+    stribeck_n: np.ndarray
+    vs_mps: np.ndarray
+    b_ns_per_m: np.ndarray
+    mu: np.ndarray
+    v_dead_mps: np.ndarray
+    v_full_mps: np.ndarray
+    v_max_mps: np.ndarray
+    pitch_m: np.ndarray
+    a_n: np.ndarray
+    p_rad: np.ndarray
+
+    @property
+    def n_axes(self) -> int:
+        return len(self.mu)
+
+    def ramp(self, v_mps: np.ndarray) -> np.ndarray:
+        """Part of the friction that acts at speeds v (..., n), m/s: 0 in the dead band, 1 from v_full on."""
+        width = np.where(self.v_full_mps > self.v_dead_mps, self.v_full_mps - self.v_dead_mps, 1.0)
+        return np.clip((np.abs(v_mps) - self.v_dead_mps) / width, 0.0, 1.0)
+
+    def friction_n(self, v_mps: np.ndarray) -> np.ndarray:
+        """Friction (..., n), N, without its load-dependent part, at signed speeds v (..., n), m/s."""
+        speed = np.abs(v_mps)
+        speed = np.where(self.v_max_mps > 0, np.minimum(speed, self.v_max_mps), speed)
+        stribeck = self.stribeck_n * np.exp(-((speed / np.where(self.vs_mps > 0, self.vs_mps, 1.0)) ** 2))
+        coulomb = np.where(np.asarray(v_mps) < 0, self.fc_neg_n, self.fc_pos_n)
+        return np.sign(v_mps) * self.ramp(v_mps) * (coulomb + stribeck + self.b_ns_per_m * speed)
+
+    def cogging_n(self, turns: np.ndarray) -> np.ndarray:
+        """Position table (..., n), N, at q / pitch (..., n)."""
+        angle = 2 * np.pi * turns[..., None] * np.arange(1, MAX_HARMONIC + 1)
+        return np.sum(self.a_n * np.sin(angle + self.p_rad), axis=-1)
+
+    def corrections_n(self, q_m: np.ndarray, v_mps: np.ndarray, f_n: np.ndarray) -> np.ndarray:
+        """What the compensator adds to forces f (..., n), N, at q, m, and signed speeds v, m/s, in floating point."""
+        turns = q_m / np.where(self.pitch_m > 0, self.pitch_m, 1.0)
+        load = np.sign(v_mps) * self.ramp(v_mps) * self.mu * np.abs(f_n)
+        return self.friction_n(v_mps) + load + self.cogging_n(turns)
+
+
+def no_compensation(n_axes: int) -> Compensation:
+    """All constants zero."""
+    shapes = {"a_n": (n_axes, MAX_HARMONIC), "p_rad": (n_axes, MAX_HARMONIC)}
+    return Compensation(**{f.name: np.zeros(shapes.get(f.name, n_axes)) for f in fields(Compensation)})
+
+
+def load_compensation(folder: Path | str, n_axes: int) -> Compensation:
+    """Read compensation.csv of a weights folder; without the file, all zero.
+
+    Raises InputError naming file, row and column for text that isn't such a table, an unknown axis or name, a value
+    that isn't finite or is out of range, a constant given twice, or constants that need another one.
+    """
+    path = Path(folder) / COMPENSATION_CSV
+    result, given = no_compensation(n_axes), {}
+    for row, line in _read_lines(path):
+        where = f"{path}: row {row}"
+        axes, name, value = _read_entry(where, line, n_axes)
+        array, index = _place(result, name)
+        for axis in axes:
+            if (axis, name) in given:
+                raise InputError(
+                    f"{where}, column name: {name} of axis {axis + 1} was given in row {given[axis, name]}"
+                )
+            given[axis, name] = row
+            array[(axis, *index)] = value
+    check_compensation(result, path)
+    return result
+
+
+def save_compensation(compensation: Compensation, folder: Path | str, comment: str = "") -> None:
+    """Write what isn't zero to compensation.csv, with the lines of comment above. Raises InputError if it cannot."""
+    rows = []
+    for name in _names():
+        array, index = _place(compensation, name)
+        values = array[(slice(None), *index)]
+        if name == "clock_hz" and values.any():
+            rows.append(("all", name, float(values[0])))
+        elif values.any():
+            rows += [(axis, name, float(value)) for axis, value in enumerate(values, start=1)]
+    lines = [f"# {line}" for line in comment.splitlines()] + [",".join(_HEADER)]
+    lines += [f"{axis},{name},{value!r}" for axis, name, value in rows]
+    write_atomically(Path(folder) / COMPENSATION_CSV, "\n".join(lines) + "\n")
+
+
+def check_compensation(c: Compensation, where: Path | str) -> None:
+    """Raise InputError for a constant that lacks another one; where names the source."""
+    for axis in range(c.n_axes):
+        has_friction = any(getattr(c, name)[axis] for name in _FRICTION)
+        needs = [
+            (has_friction, "clock_hz", "friction needs the clock of the FPGA"),
+            (has_friction, "v_dead_mps", "friction needs a dead band, or it would chatter at rest"),
+            (c.stribeck_n[axis] != 0, "vs_mps", "stribeck_n needs the speed at which it fades"),
+            (c.a_n[axis].any(), "pitch_m", "harmonics need the pitch"),
+        ]
+        for is_needed, name, why in needs:
+            if is_needed and getattr(c, name)[axis] == 0:
+                raise InputError(f"{where}: axis {axis + 1}: {name} is missing: {why}; add it")
+        if has_friction and not c.v_full_mps[axis] > c.v_dead_mps[axis]:
+            raise InputError(f"{where}: axis {axis + 1}: v_full_mps must be above v_dead_mps; raise it")
+    if c.n_axes and (c.clock_hz != c.clock_hz[0]).any():
+        raise InputError(f"{where}: clock_hz differs between axes; give it for axis all")
+
+
+def _names() -> list[str]:
+    names = [f.name for f in fields(Compensation) if f.name not in ("a_n", "p_rad")]
+    return names + [name for h in range(1, MAX_HARMONIC + 1) for name in (f"a{h}_n", f"p{h}_rad")]
+
+
+def _place(compensation: Compensation, name: str) -> tuple[np.ndarray, tuple[int, ...]]:
+    """Array of a constant, and its index behind the axis."""
+    harmonic = re.fullmatch(r"(a|p)(\d+)_(n|rad)", name)
+    if harmonic is None:
+        return getattr(compensation, name), ()
+    return getattr(compensation, f"{harmonic[1]}_{harmonic[3]}"), (int(harmonic[2]) - 1,)
+
+
+def _read_lines(path: Path) -> list[tuple[int, list[str]]]:
+    """Numbered rows below the header, comment and empty lines left out."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        rows = list(csv.reader(text.splitlines(), strict=True))
+    except FileNotFoundError:
+        return []
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: not a CSV file ({error}); give comma separated text") from error
+    rows = [[cell.strip() for cell in row] for row in rows if row and not row[0].lstrip().startswith("#")]
+    if not rows or rows[0] != _HEADER:
+        found = ",".join(rows[0]) if rows else "nothing"
+        raise InputError(f"{path}: row 0 (header): found {found}; the header must be {','.join(_HEADER)}")
+    return list(enumerate(rows[1:], start=1))
+
+
+def _read_entry(where: str, line: list[str], n_axes: int) -> tuple[range, str, float]:
+    if len(line) != len(_HEADER):
+        raise InputError(f"{where}: {len(line)} columns instead of {len(_HEADER)}; give {','.join(_HEADER)}")
+    axis, name, text = line
+    numbers = [str(k) for k in range(1, n_axes + 1)]
+    if axis not in ("all", *numbers):
+        raise InputError(f"{where}, column axis: {axis!r} is not an axis; give all, {', '.join(numbers)}")
+    if name not in _names():
+        raise InputError(f"{where}, column name: {name!r} is not known; give one of {', '.join(_names()[:15])} ...")
+    if name == "clock_hz" and axis != "all":
+        raise InputError(f"{where}, column axis: clock_hz is one for all axes; give all")
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{where}, column value: {text!r} is not a finite number; give one")
+    if (name in _POSITIVE and value < 0) or (name == "mu" and abs(value) >= 1):
+        limit = "must not be negative" if name in _POSITIVE else "must be in -1 .. 1"
+        raise InputError(f"{where}, column value: {name} = {text} {limit}; correct it")
+    return range(n_axes) if axis == "all" else range(int(axis) - 1, int(axis)), name, value

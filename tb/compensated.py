@@ -1,0 +1,63 @@
+"""A weights folder with a compensator that uses everything it can, each axis another part of it."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+
+from codes import ROOT
+from gravcomp.network.compensation import FixedCompensation, quantise_compensation
+from gravcomp.network.compensation_csv import Compensation, load_compensation
+from gravcomp.network.rom import write_rom
+from gravcomp.robot.parameters import load_parameters
+
+N_AXES = 3
+# A clock so slow that the simulator's axes move as fast as real ones: 16 clocks per 4 counts are 2.5 mm/s.
+CSV = """\
+axis,name,value
+all,clock_hz,1e4
+all,v_dead_mps,2e-4
+all,v_full_mps,4e-4
+1,fc_pos_n,1.7
+1,fc_neg_n,1.1
+1,stribeck_n,0.9
+1,vs_mps,0.002
+1,b_ns_per_m,310
+1,v_max_mps,0.02
+2,fc_pos_n,-0.4
+2,fc_neg_n,130
+2,mu,0.999999
+2,pitch_m,0.032
+2,a1_n,100
+2,a3_n,20
+2,p3_rad,1
+3,pitch_m,0.00513
+3,a1_n,0.8
+3,p1_rad,0.4
+3,a2_n,0.3
+3,p2_rad,-2
+"""
+
+
+def compensated_weights(folder: Path, csv: str = CSV) -> Path:
+    """Write the weights of the Sphe.I.Ro. with this compensation.csv, and generated/ with their packages, to folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("hidden.csv", "output.csv", "scaling.csv"):
+        shutil.copy(ROOT / "weights" / "spheiro" / name, folder)
+    (folder / "compensation.csv").write_text(csv)
+    write_rom(folder, load_parameters(), folder / "generated")
+    return folder
+
+
+def constants(folder: Path) -> tuple[Compensation, FixedCompensation]:
+    """The constants in a weights folder, and the hardware's tables of them."""
+    compensation = load_compensation(folder, N_AXES)
+    return compensation, quantise_compensation(compensation, load_parameters(), folder)
+
+
+def draw_periods(shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
+    """Signed periods of 32 bits, uniform in their logarithm, one in four at or beside a corner of the code."""
+    periods = np.floor(2.0 ** rng.uniform(0, 31, shape)).astype(np.int64)
+    corners = 2 ** rng.integers(0, 32, shape) + rng.integers(-1, 2, shape)
+    periods = np.where(rng.random(shape) < 0.25, corners, periods) * rng.choice([-1, 1], shape)
+    return np.clip(periods, -(2**31), 2**31 - 1)
