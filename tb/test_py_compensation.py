@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from codes import ROOT
 from compensated import N_AXES, compensated_weights, constants, draw_periods
 from gravcomp.encoder import NO_PERIOD, DecoderConfig, quad_decoder, quadrature
 from gravcomp.errors import InputError
@@ -18,7 +17,6 @@ from gravcomp.network.compensation import (
     quantise_compensation,
 )
 from gravcomp.network.compensation_csv import load_compensation, no_compensation, save_compensation
-from gravcomp.network.compensation_rom import COMPENSATION_PACKAGE_FILE, write_compensation_rom
 from gravcomp.network.quantise import FORCE_BITS
 from gravcomp.robot.parameters import load_parameters
 
@@ -85,12 +83,6 @@ def test_without_a_file_the_compensator_is_transparent(tmp_path):
     out, saturated = compensator(force, count, draw_periods(force.shape, rng), fixed)
     np.testing.assert_array_equal(out, force)
     assert not saturated.any()
-
-
-def test_checked_in_package_is_that_of_the_weights(tmp_path):
-    write_compensation_rom(ROOT / "weights" / "spheiro", N_AXES, P, tmp_path)
-    checked_in = ROOT / "rtl" / "generated" / COMPENSATION_PACKAGE_FILE
-    assert (tmp_path / COMPENSATION_PACKAGE_FILE).read_text() == checked_in.read_text()
 
 
 def test_friction_is_within_its_derived_bound_of_the_float_model(rich):

@@ -21,12 +21,10 @@ def run(arguments):
         rows = json.loads(arguments.rtl.read_text())
     except OSError:
         raise InputError(f"{arguments.rtl}: no such count; start `make budget`") from None
-    in_rtl = {kind: sum(row["number"] for row in rows if row["kind"] == kind) for kind in ("multiplications", "sums")}
+    mults, sums = (sum(row["number"] for row in rows if row["kind"] == kind) for kind in ("multiplications", "sums"))
     print("| what | multiplications | sums | divisions | square roots | trigonometric | all |")
     print("|---|---|---|---|---|---|---|")
-    print(
-        f"| network, running VHDL | {in_rtl['multiplications']} | {in_rtl['sums']} | 0 | 0 | 0 | {sum(in_rtl.values())} |"
-    )
+    print(f"| network, running VHDL | {mults} | {sums} | 0 | 0 | 0 | {mults + sums} |")
     print(_row("network, NumPy on counting numbers", count_network_operations(load_network(arguments.weights))))
     print(_row("statics in closed form, from joint positions", count_statics_operations(load_parameters())))
     print(PAPER)

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from gravcomp.network.rom import PACKAGE_FILE, write_rom
+from gravcomp.errors import InputError
+from gravcomp.network.rom import stale_rom_files, write_rom
 from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
 
 
@@ -10,8 +11,14 @@ def add_arguments(parser):
     parser.add_argument("--weights", type=Path, required=True, help="folder of CSV files")
     parser.add_argument("--robot", type=Path, default=NOMINAL_TOML, help="robot parameters (encoder, thrust constant)")
     parser.add_argument("--out", type=Path, default=Path("rtl/generated"), help="folder of the packages")
+    parser.add_argument("--check", action="store_true", help="write nothing; complain if the packages are not these")
 
 
 def run(arguments):
-    fixed = write_rom(arguments.weights, load_parameters(arguments.robot), arguments.out)
-    print(f"{arguments.out / PACKAGE_FILE}: {fixed.n_axes}-{fixed.n_hidden}-{fixed.n_axes} from {arguments.weights}")
+    p = load_parameters(arguments.robot)
+    if not arguments.check:
+        write_rom(arguments.weights, p, arguments.out)
+        print(f"{arguments.out}: written from {arguments.weights}")
+        return
+    for path in stale_rom_files(arguments.weights, p, arguments.out):
+        raise InputError(f"{path}: not made from {arguments.weights}; start `make rom WEIGHTS={arguments.weights}`")

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.files import write_atomically
 from gravcomp.network import quantise as q
 from gravcomp.network.compensation import (
     FRICTION_BITS,
@@ -23,19 +22,15 @@ _WORD_BITS = 2 * q.OPERAND_BITS
 _WORDS_PER_LINE = 8
 
 
-def write_compensation_rom(
-    folder: Path | str, n_axes: int, p: RobotParameters, generated: Path | str
-) -> FixedCompensation:
-    """Write generated/gc_compensation_pkg.vhd from a weights folder; without compensation.csv, a transparent one.
+def compensation_package_text(folder: Path | str, n_axes: int, p: RobotParameters) -> str:
+    """VHDL text of gc_compensation_pkg from a weights folder; without compensation.csv, a transparent one.
 
-    Returns the tables as the hardware holds them. Raises InputError when the constants cannot be read or held; the old
-    package is then untouched.
+    Raises InputError when the constants cannot be read or held.
     """
     fixed = quantise_compensation(load_compensation(folder, n_axes), p, folder)
     path = Path(folder) / COMPENSATION_CSV
     digest = hashlib.sha256(path.read_bytes() if path.exists() else b"").hexdigest()
-    write_atomically(Path(generated) / COMPENSATION_PACKAGE_FILE, package_text(fixed, digest, Path(folder).name))
-    return fixed
+    return package_text(fixed, digest, Path(folder).name)
 
 
 def package_text(fixed: FixedCompensation, sha256: str, name: str) -> str:

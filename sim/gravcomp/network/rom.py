@@ -6,7 +6,7 @@ import numpy as np
 
 from gravcomp.files import write_atomically
 from gravcomp.network import quantise as q
-from gravcomp.network.compensation_rom import write_compensation_rom
+from gravcomp.network.compensation_rom import COMPENSATION_PACKAGE_FILE, compensation_package_text
 from gravcomp.network.quantise import FixedNetwork, quantise
 from gravcomp.network.weights import load_network, weights_hash
 from gravcomp.robot.parameters import RobotParameters
@@ -14,16 +14,28 @@ from gravcomp.robot.parameters import RobotParameters
 PACKAGE_FILE = "gc_network_pkg.vhd"
 
 
-def write_rom(folder: Path | str, p: RobotParameters, generated: Path | str) -> FixedNetwork:
-    """Write gc_network_pkg.vhd and gc_compensation_pkg.vhd from a weights folder to generated/.
+def rom_files(folder: Path | str, p: RobotParameters) -> dict[str, str]:
+    """The generated packages of a weights folder, text by file name.
 
-    Returns the network as the hardware holds it. Raises InputError when the weights or the constants of the
-    compensator cannot be read or held; the old package is then untouched.
+    Raises InputError when the weights or the constants of the compensator cannot be read or held.
     """
     fixed = quantise(load_network(folder), p, folder)
-    write_compensation_rom(folder, fixed.n_axes, p, generated)
-    write_atomically(Path(generated) / PACKAGE_FILE, package_text(fixed, weights_hash(folder), Path(folder).name))
-    return fixed
+    return {
+        PACKAGE_FILE: package_text(fixed, weights_hash(folder), Path(folder).name),
+        COMPENSATION_PACKAGE_FILE: compensation_package_text(folder, fixed.n_axes, p),
+    }
+
+
+def write_rom(folder: Path | str, p: RobotParameters, generated: Path | str) -> None:
+    """Write the packages of a weights folder to generated/. Raises InputError; the old packages are then untouched."""
+    for name, text in rom_files(folder, p).items():
+        write_atomically(Path(generated) / name, text)
+
+
+def stale_rom_files(folder: Path | str, p: RobotParameters, generated: Path | str) -> list[Path]:
+    """The packages in generated/ that are not those of the weights folder. Raises InputError as rom_files does."""
+    paths = {Path(generated) / name: text for name, text in rom_files(folder, p).items()}
+    return [path for path, text in paths.items() if not path.exists() or path.read_text(encoding="utf-8") != text]
 
 
 def package_text(fixed: FixedNetwork, sha256: str, name: str) -> str:
