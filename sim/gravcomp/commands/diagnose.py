@@ -1,0 +1,53 @@
+"""Find what the model lacks in measured data: effects, their parameters, error before and after.
+
+Writes report.json, model.toml and report.html to the folder of --out. Exit status 0 whatever the verdict.
+"""
+
+from pathlib import Path
+
+from tqdm import tqdm
+
+from gravcomp.files import write_atomically
+from gravcomp.measured.csv_reader import read_measurement
+from gravcomp.measured.diagnosis import diagnose
+from gravcomp.measured.html import report_html
+from gravcomp.measured.model import Model, load_model, model_toml
+from gravcomp.measured.report import report, report_json, table
+
+_STEPS = 7
+
+
+def add_arguments(parser):
+    parser.add_argument("data", type=Path, help="measured CSV")
+    parser.add_argument("--out", type=Path, required=True, help="folder for report.json, model.toml, report.html")
+    parser.add_argument("--model", type=Path, help="model.toml to start from; default: the nominal robot")
+    parser.add_argument("--seed", type=int, default=0, help="draws the held-out blocks (default 0)")
+    parser.add_argument(
+        "--holdout", choices=("blocks", "reverse", "last"), default="blocks",
+        help="held-out samples: a quarter of the blocks of neighbours; all that axis 1 does moving backward; "
+        "the last quarter of the time",
+    )  # fmt: skip
+
+
+def run(arguments):
+    model = load_model(arguments.model) if arguments.model else Model()
+    data = read_measurement(arguments.data, model.robot)
+    with tqdm(total=_STEPS, desc="diagnose", delay=2, leave=False) as bar:
+        found = diagnose(data, model, arguments.seed, arguments.holdout, lambda what: (bar.set_postfix_str(what), bar.update()))
+    content = report(found)
+    grown = Model(
+        model.robot, model.nominal_toml,
+        model.effects + [(entry.name, entry.parameters) for entry in found.fit.effects],
+        model.corrections + [(entry.term.source, tuple(entry.parameters.values())) for entry in found.fit.corrections],
+    )  # fmt: skip
+    files = {"report.json": report_json(found), "model.toml": model_toml(grown), "report.html": report_html(found)}
+    for name, text in files.items():
+        write_atomically(arguments.out / name, text)
+    print(f"verdict: {found.verdict}; seed {arguments.seed}")
+    for effect in content["effects"]:
+        print(f"  {effect['name']}: {100 * effect['share']:.1f} % of the residual's variance")
+    for item in content["drivers"]:
+        print(f"  axis {item['axis']} follows {item['variable']} ({100 * item['share']:.1f} %)")
+    for names in content["alternatives"]:
+        print(f"  this data cannot tell apart: {', '.join(names)}")
+    print(table(content))

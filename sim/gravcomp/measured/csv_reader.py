@@ -1,0 +1,157 @@
+"""Reads the measured CSV: time, positions, velocities, efforts, temperature, predictions of the user's own model.
+
+Columns: ``t_s``; per axis i ``q{i}_m`` or ``q{i}_rad``; optional ``v{i}_mps`` or ``v{i}_radps``; ``f{i}_n``, ``f{i}_nm``
+or ``i{i}_a``; optional ``temp_c``; optional ``fm{i}_n``, ``fm{i}_nm`` or ``fm{i}_a``. Lines starting with # are comments.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from gravcomp.errors import InputError
+from gravcomp.measured.measurement import Measurement, velocity_from_position
+from gravcomp.measured.surrogate import fit_force_function
+from gravcomp.robot.kinematics import PoseError
+from gravcomp.robot.parameters import RobotParameters
+from gravcomp.robot.statics import holding_forces_at
+
+MIN_SAMPLES = 30
+_COLUMN = re.compile(r"^(q|v|f|i|fm)([1-9]\d*)_(m|rad|mps|radps|n|nm|a)$")
+_SUFFIXES = {"q": ("m", "rad"), "v": ("mps", "radps"), "f": ("n", "nm"), "i": ("a",), "fm": ("n", "nm", "a")}
+_UNITS = {"n": "N", "nm": "Nm", "a": "A"}
+
+
+def read_measurement(path: Path | str, robot: RobotParameters) -> Measurement:
+    """Read one CSV; without fm columns the built-in robot's statics are the model (3 axes, metres).
+
+    Raises InputError, one line naming file, row, column and what to do.
+    """
+    path = Path(path)
+    table = _read_table(path)
+    columns = _columns(path, table)
+    n_axes = len(columns["q"])
+    t_s = table["t_s"].to_numpy()
+    _check_time(path, table, t_s)
+    q = _stack(table, columns["q"])
+    has_model = bool(columns["fm"])
+    force, unit = _effort(path, table, columns, robot, has_model)
+    v = _stack(table, columns["v"]) if columns["v"] else None
+    if v is None:
+        draft = Measurement(path.name, t_s, q, None, force, force, unit, ())
+        v = velocity_from_position(t_s, q) if draft.is_ordered and (np.diff(t_s) > 0).all() else None
+    if has_model:
+        nominal = _stack(table, columns["fm"])
+        if unit == "N" and columns["fm"][0].endswith("_a"):
+            nominal = nominal * robot.thrust_constant_n_per_a
+        force_at = fit_force_function(q, nominal, [name.rsplit("_", 1)[1] for name in columns["q"]])
+    else:
+        if n_axes != 3 or not all(name.endswith("_m") for name in columns["q"]):
+            raise InputError(
+                f"{path}: {n_axes} axes {columns['q']} without fm columns; add fm1_... with your model's prediction, "
+                "or give q1_m, q2_m, q3_m of the built-in robot"
+            )
+        nominal, force_at = _built_in(path, table, q, robot), lambda at: holding_forces_at(at, robot)
+    temp = table["temp_c"].to_numpy() if "temp_c" in table else None
+    units = tuple(name.rsplit("_", 1)[1] for name in columns["q"])
+    own = None if has_model else robot
+    return Measurement(path.name, t_s, q, v, force, nominal, unit, units, temp, force_at, own)
+
+
+def _read_table(path: Path) -> pd.DataFrame:
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read ({error}); give a CSV text file") from error
+    kept = [(row, line) for row, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
+    if not kept:
+        raise InputError(f"{path}: row 1: no header line; give t_s, q1_m, ... and one row per sample")
+    header = [name.strip() for name in kept[0][1].split(",")]
+    for name in header:
+        if header.count(name) > 1:
+            raise InputError(f"{path}: row {kept[0][0]}: column {name!r} appears twice; keep one")
+    cells = []
+    for row, line in kept[1:]:
+        parts = line.split(",")
+        if len(parts) != len(header):
+            raise InputError(f"{path}: row {row}: {len(parts)} values for {len(header)} columns, column "
+                             f"{header[min(len(parts), len(header) - 1)]}; give one value per column")  # fmt: skip
+        cells.append(parts)
+    if len(cells) < MIN_SAMPLES:
+        raise InputError(f"{path}: row {kept[-1][0]}, column {header[0]}: only {len(cells)} samples; "
+                         f"give at least {MIN_SAMPLES}")  # fmt: skip
+    table = pd.DataFrame(cells, columns=header).apply(pd.to_numeric, errors="coerce")
+    bad = ~np.isfinite(table.to_numpy(dtype=float))
+    known = np.array([_COLUMN.match(name) is not None or name in ("t_s", "temp_c") for name in header])
+    bad &= known
+    if bad.any():
+        k, j = np.argwhere(bad)[0]
+        raise InputError(f"{path}: row {kept[1 + k][0]}, column {header[j]}: {cells[k][j].strip()!r} is not a finite "
+                         "number; correct or delete that row")  # fmt: skip
+    table.attrs["rows"] = [row for row, _ in kept[1:]]
+    return table.astype(float)
+
+
+def _columns(path: Path, table: pd.DataFrame) -> dict[str, list[str]]:
+    if "t_s" not in table:
+        raise InputError(f"{path}: column t_s is missing in the header; add the time in seconds")
+    found = {kind: {} for kind in _SUFFIXES}
+    for name in table.columns:
+        match = _COLUMN.match(name)
+        if match and match[3] in _SUFFIXES[match[1]]:
+            if int(match[2]) in found[match[1]]:
+                raise InputError(f"{path}: column {name}: axis {match[2]} has two columns of this kind; keep one")
+            found[match[1]][int(match[2])] = name
+    n_axes = len(found["q"])
+    if not n_axes:
+        raise InputError(f"{path}: column q1_m or q1_rad is missing in the header; add the position of each axis")
+    for kind, by_axis in found.items():
+        needed = kind == "q" or bool(by_axis)
+        for axis in range(1, n_axes + 1) if needed else ():
+            if axis not in by_axis:
+                suffix = _SUFFIXES[kind][0]
+                raise InputError(f"{path}: column {kind}{axis}_{suffix} is missing in the header; axes are 1..{n_axes}")
+        if len(by_axis) > n_axes:
+            raise InputError(f"{path}: column {by_axis[max(by_axis)]} has no position column; add q{max(by_axis)}_m")
+    if bool(found["f"]) == bool(found["i"]):
+        raise InputError(f"{path}: column f1_n, f1_nm or i1_a: give exactly one kind of effort for all axes")
+    return {kind: [by_axis[axis] for axis in sorted(by_axis)] for kind, by_axis in found.items()}
+
+
+def _check_time(path: Path, table: pd.DataFrame, t_s: np.ndarray) -> None:
+    back = np.flatnonzero(np.diff(t_s) < 0)
+    if back.size:
+        row = table.attrs["rows"][back[0] + 1]
+        raise InputError(f"{path}: row {row}, column t_s: time runs backwards; sort the rows by time")
+
+
+def _effort(path, table, columns, robot, has_model) -> tuple[np.ndarray, str]:
+    names = columns["f"] or columns["i"]
+    units = {_UNITS[name.rsplit("_", 1)[1]] for name in names}
+    model_units = {_UNITS[name.rsplit("_", 1)[1]] for name in columns["fm"]}
+    if len(units) > 1 or len(model_units) > 1:
+        raise InputError(f"{path}: columns {names + columns['fm']} mix units; use one unit for all axes")
+    force, unit = _stack(table, names), units.pop()
+    in_amperes = unit == "A" and (not has_model or model_units == {"N"})
+    if in_amperes:
+        force, unit = force * robot.thrust_constant_n_per_a, "N"
+    if has_model and model_units != {unit} and not (unit == "N" and model_units == {"A"}):
+        raise InputError(f"{path}: column {columns['fm'][0]} is in {model_units.pop()}, the effort in {unit}; "
+                         "give both in one unit")  # fmt: skip
+    if not has_model and unit == "Nm":
+        raise InputError(f"{path}: column {names[0]}: the built-in robot has forces in N; add fm columns or give f1_n")
+    return force, unit
+
+
+def _built_in(path: Path, table: pd.DataFrame, q: np.ndarray, robot: RobotParameters) -> np.ndarray:
+    try:
+        return holding_forces_at(q, robot)
+    except PoseError as error:
+        row = table.attrs["rows"][int(re.search(r"pose (\d+)", str(error))[1])]
+        raise InputError(f"{path}: row {row}, columns q1_m..q3_m: outside the robot's joint space; "
+                         "check zero and unit of the encoders") from error  # fmt: skip
+
+
+def _stack(table: pd.DataFrame, names: list[str]) -> np.ndarray:
+    return table[names].to_numpy(dtype=float)

@@ -1,0 +1,29 @@
+"""Friction in the passive joints of the built-in robot, as the motors feel it."""
+
+import numpy as np
+
+from gravcomp.measured.effects.base import Effect, needs_velocity
+from gravcomp.robot.kinematics import direct_kinematics, passive_jacobian
+
+class PassiveJointFriction(Effect):
+    """J_p^T (fc sign(v_p)), v_p = J_p v over the prismatic joints b_i and the rotary joints phi_i."""
+
+    name = "passive_joint_friction"
+    equation = "J_p^T (fc sign(v_p)), v_p = J_p v"
+    hardware = "none"
+    units = {"fc_prismatic": "N", "fc_rotary": "Nm"}  # noqa: RUF012
+    positive = ("fc_prismatic", "fc_rotary")
+    per_axis = False
+    complexity = 2.0
+
+    def unavailable(self, data):
+        return needs_velocity(data) or ("" if data.robot is not None else "the passive joints are not known")
+
+    def columns(self, data, shape):
+        jacobian = passive_jacobian(direct_kinematics(data.q, data.robot), data.robot)
+        moving = np.sign(np.einsum("npk,nk->np", jacobian, data.v))
+        force = jacobian * moving[..., None]
+        return {"fc_prismatic_n": force[:, :3].sum(axis=1), "fc_rotary_nm": force[:, 3:].sum(axis=1)}
+
+    def contrasts(self, labels):
+        return [{label: 1.0} for label in labels]

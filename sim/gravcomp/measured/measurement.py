@@ -1,0 +1,107 @@
+"""Measured data in memory, and what is derived from it: direction, acceleration, which rows are motion."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+# A speed this far below the usual one has no sure direction.
+_DEAD_BAND_CAP = 0.02
+_MOTION_TOLERANCE = 0.5  # of the step that v announces: rows that keep to it are motion, others are separate holds
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """n samples of k axes.
+
+    t_s (n,); q (n, k), m or rad; v (n, k) signed velocity (of a hold: of its approach) or None; force (n, k) and
+    nominal (n, k) measured and modelled effort in ``unit``; temp_c (n,) or None; position_units one per axis;
+    force_at: f_model as a function of q (n, k) -> (n, k), or None when only its values at the samples are known;
+    robot: parameters of the built-in robot, or None.
+    """
+
+    name: str
+    t_s: np.ndarray
+    q: np.ndarray
+    v: np.ndarray | None
+    force: np.ndarray
+    nominal: np.ndarray
+    unit: str
+    position_units: tuple[str, ...]
+    temp_c: np.ndarray | None = None
+    force_at: object = field(default=None, repr=False)
+    robot: object = field(default=None, repr=False)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.q.shape
+
+    @property
+    def n_axes(self) -> int:
+        return self.q.shape[1]
+
+    @property
+    def has_velocity(self) -> bool:
+        return self.v is not None
+
+    @cached_property
+    def direction(self) -> np.ndarray:
+        """sign(v), 0 within the noise of v, (n, k)."""
+        return np.where(np.abs(self.v) > self.dead_band, np.sign(self.v), 0.0)
+
+    @cached_property
+    def dead_band(self) -> np.ndarray:
+        """Speed per axis below which the direction is not sure: three times the noise of v, at most 2 % of its range."""
+        if len(self.t_s) < 8 or not self.is_motion.mean() > 0.5:
+            return np.zeros(self.n_axes)
+        noise = np.median(np.abs(np.diff(self.v, 2, axis=0)), axis=0) / 0.6745 / np.sqrt(6.0)
+        return np.minimum(3.0 * noise, _DEAD_BAND_CAP * np.quantile(np.abs(self.v), 0.95, axis=0))
+
+    @cached_property
+    def is_motion(self) -> np.ndarray:
+        """Rows that belong to one continuous motion: q advances as v says, (n,)."""
+        if self.v is None or len(self.t_s) < 8:
+            return np.zeros(len(self.t_s), bool)
+        step = np.diff(self.q, axis=0)
+        told = 0.5 * (self.v[1:] + self.v[:-1]) * np.diff(self.t_s)[:, None]
+        size = np.abs(told).sum(axis=1)
+        keeps = np.abs(step - told).sum(axis=1) <= _MOTION_TOLERANCE * size + 1e-3 * np.ptp(self.q, axis=0).max()
+        near = np.convolve(keeps, np.ones(9) / 9, mode="same") > 0.7
+        return np.append(near, near[-1]) if near.mean() > 0.05 else np.zeros(len(self.t_s), bool)
+
+    @cached_property
+    def is_ordered(self) -> bool:
+        """Neighbours in time are neighbours in pose."""
+        if len(self.t_s) < 8:
+            return False
+        step = np.diff(self.q, axis=0).var(axis=0).sum() / max(2.0 * self.q.var(axis=0).sum(), 1e-300)
+        return bool(step < 0.1)
+
+    @cached_property
+    def acceleration(self) -> np.ndarray | None:
+        """Derivative of v along t, (n, k), zero outside motion; None without motion."""
+        if self.v is None or not self.is_motion.any():
+            return None
+        t, v = self.t_s, self.v
+        window = int(np.clip(len(t) // 200, 2, 10)) * 2 + 1
+        smooth = savgol_filter(v, window, 2, axis=0) if len(t) > window else v
+        return np.gradient(smooth, t, axis=0) * self.is_motion[:, None]
+
+    @cached_property
+    def sensitivity(self) -> np.ndarray | None:
+        """dF_i/dq_j of the model by central differences, (n, k, k); None without force_at."""
+        if self.force_at is None:
+            return None
+        step = 1e-5 * np.ptp(self.q, axis=0).max()
+        columns = [
+            (self.force_at(self.q + step * unit) - self.force_at(self.q - step * unit)) / (2 * step)
+            for unit in np.eye(self.n_axes)
+        ]
+        return np.stack(columns, axis=-1)
+
+
+def velocity_from_position(t_s: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Velocity of a slow motion from its positions: quadratic Savitzky-Golay smoothing, then central differences."""
+    window = int(np.clip(len(t_s) // 200, 2, 10)) * 2 + 1
+    return np.gradient(savgol_filter(q, window, 2, axis=0), t_s, axis=0)

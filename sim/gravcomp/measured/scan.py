@@ -1,0 +1,82 @@
+"""Periodogram of a residual over position or time: finds pitches, harmonics and frequencies without being told."""
+
+import numpy as np
+
+_GRID = 8192
+_MIN_CYCLES = 2.0
+_MAX_CYCLES = 300
+_MAX_LINES = 14
+_MAX_HARMONIC = 30
+
+
+def spectrum(x: np.ndarray, r: np.ndarray, max_cycles: float) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (cycles per unit of x) and power of r (n, k) summed over columns, in units of white noise (about k).
+
+    x (n,) or (n, k). Binned on a fine grid, then one FFT per column; padding fourfold gives the quarter-cycle step.
+    """
+    x = np.broadcast_to(np.atleast_2d(x.T).T, r.shape)
+    span = max(np.ptp(x, axis=0).max(), 1e-300)
+    power = 0.0
+    for k in range(r.shape[1]):
+        place = ((x[:, k] - x[:, k].min()) / span * (_GRID - 1)).round().astype(int)
+        binned = np.bincount(place, r[:, k] - r[:, k].mean(), _GRID)
+        power = power + np.abs(np.fft.rfft(binned, 4 * _GRID)) ** 2 / max(np.sum(r[:, k] ** 2), 1e-300)
+    f = np.arange(len(power)) / 4.0 / span * (_GRID - 1) / _GRID
+    keep = (f * span >= _MIN_CYCLES) & (f * span <= max_cycles)
+    return f[keep], power[keep]
+
+
+def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = _MAX_LINES) -> list[tuple[float, float]]:
+    """Significant spectral lines (frequency, power), strongest first, each removed before the next is sought."""
+    n = len(r)
+    limit = min(_MAX_CYCLES, n / 3)
+    x = np.broadcast_to(np.atleast_2d(x.T).T, r.shape)
+    rest, lines = r - r.mean(axis=0), []
+    for _ in range(max_lines):
+        f, power = spectrum(x, rest, limit)
+        if not len(f):
+            break
+        best = int(power.argmax())
+        # chance of such a peak among all frequencies, white noise: power is a sum of unit exponentials
+        if power[best] < np.log(len(f)) + 7.0 + 2.0 * np.sqrt(r.shape[1] * np.log(len(f))) * (r.shape[1] > 1):
+            break
+        frequency = _refine(x, rest, f[best], f[1] - f[0])
+        lines.append((frequency, float(power[best])))
+        rest = rest - _wave(x, rest, frequency)
+    return lines
+
+
+def _wave(x, r, frequency):
+    out = np.empty_like(r)
+    for k in range(r.shape[1]):
+        angle = 2 * np.pi * frequency * x[:, k]
+        basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones(len(r))])
+        out[:, k] = basis @ np.linalg.lstsq(basis, r[:, k], rcond=None)[0]
+    return out
+
+
+def _refine(x, r, frequency, step):
+    grid = frequency + step * np.linspace(-1.0, 1.0, 21)
+    return float(grid[np.argmax([np.sum(_wave(x, r, g) ** 2) for g in grid])])
+
+
+def pitch_of(lines: list[tuple[float, float]], span: float, turn: float | None) -> tuple[float, tuple[int, ...]] | None:
+    """Pitch and harmonics that explain the lines: a full turn where the lines are whole orders of it, else the largest
+    fundamental of which the strong lines are multiples within the resolution 1/(4 span); the strongest line at least.
+    """
+    if not lines:
+        return None
+    f, power = np.array(lines).T
+    resolution = 0.3 / span
+    bases = [f[0] / m for m in range(1, 7)]
+    if turn is not None and span > 0.9 * turn:
+        bases = [1.0 / turn]
+        resolution = 0.6 / span
+    def fit(base):
+        h = np.round(f / base)
+        ok = (np.abs(f - h * base) < resolution) & (h >= 1) & (h <= (_MAX_CYCLES if turn else _MAX_HARMONIC))
+        return power[ok].sum(), h[ok]
+    scores = [fit(base)[0] * (0.98**m) for m, base in enumerate(bases)]
+    base = bases[int(np.argmax(scores))]
+    h = np.unique(fit(base)[1].astype(int))
+    return (1.0 / base, tuple(int(k) for k in h)) if len(h) else None

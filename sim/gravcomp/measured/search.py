@@ -1,0 +1,211 @@
+"""Which set of terms explains a residual: information criterion over sets of effects and corrections.
+
+A term is an effect with one shape, or an empirical correction; it is linear in its coefficients. All sets are scored
+from Gram matrices, so thousands of sets cost seconds. Score of a set, the smaller the better:
+sum over axes of m_i log(RSS_i / m_i) + rank log(sum m_i) + price of each term,
+m_i: samples of axis i that count as independent. A price stands for the number of terms that were tried.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gravcomp.measured.effects.base import Effect
+from gravcomp.measured.empirical import Correction
+
+PHYSICAL_PRICE = 8.0
+EMPIRICAL_PRICE = 20.0
+SCAN_PRICE = 14.0  # 2 log of the number of frequencies scanned
+TOLERANCE = 9.0  # sets this close in score cannot be told apart
+_NEGATIVE_Z = 3.0
+_MAX_TERMS = 14
+_IMPOSSIBLE = 1e12
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """One candidate: an effect with a shape, or a correction; labels name its columns."""
+
+    source: Effect | Correction
+    labels: tuple[str, ...]
+    shape: dict = field(default_factory=dict)
+
+    @property
+    def is_physical(self) -> bool:
+        return isinstance(self.source, Effect)
+
+    @property
+    def name(self) -> str:
+        return self.source.name if self.is_physical else self.source.label
+
+    @property
+    def price(self) -> float:
+        if not self.is_physical:
+            return EMPIRICAL_PRICE + (SCAN_PRICE if self.source.kind == "wave" else 0.0)
+        scanned = SCAN_PRICE if self.source.name == "cogging" else 0.0
+        return PHYSICAL_PRICE + self.source.complexity + scanned
+
+
+class Evidence:
+    """Scores sets of terms on one residual.
+
+    columns: per term a list over axes of (n, p) arrays or None; residual, weight (n, k); variance (k,) of the noise;
+    independent (k,) number of independent samples.
+    """
+
+    def __init__(self, terms, columns, residual, weight, variance, independent):
+        self.terms, self.m, self.variance = terms, independent, variance
+        sizes = [len(term.labels) for term in terms]
+        starts = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+        self.place = [np.arange(a, b) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+        n_columns, n_axes = starts[-1], residual.shape[1]
+        self.gram = np.zeros((n_axes, n_columns, n_columns))
+        self.cross = np.zeros((n_axes, n_columns))
+        self.energy = np.zeros(n_axes)
+        scale = np.zeros(n_columns)
+        for i in range(n_axes):
+            here = [k for k in range(len(terms)) if columns[k][i] is not None]
+            index = np.concatenate([self.place[k] for k in here])
+            x = np.hstack([columns[k][i] for k in here])
+            w = weight[:, i] * (independent[i] / weight[:, i].sum())
+            xw = x * w[:, None]
+            self.gram[i][np.ix_(index, index)] = xw.T @ x
+            self.cross[i][index] = xw.T @ residual[:, i]
+            self.energy[i] = w @ residual[:, i] ** 2
+            scale[index] += np.einsum("nk,nk->k", xw, x) / variance[i]
+        self.scale = 1.0 / np.sqrt(np.maximum(scale, 1e-300))
+        self.floor = 1e-12 * np.maximum(self.energy, 1e-300) / independent
+        self._cache: dict[frozenset, float] = {}
+
+    def solve(self, members) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+        """Column indices, coefficients, their covariance and the rank of a set."""
+        index = np.concatenate([self.place[k] for k in sorted(members)])
+        s = self.scale[index]
+        gram = np.einsum("iab,i->ab", self.gram[:, index[:, None], index], 1.0 / self.variance) * s[:, None] * s
+        cross = np.einsum("ia,i->a", self.cross[:, index], 1.0 / self.variance) * s
+        values, vectors = np.linalg.eigh(gram)
+        keep = values > 1e-9 * values[-1]
+        inverse = (vectors[:, keep] / values[keep]) @ vectors[:, keep].T
+        return index, inverse @ cross * s, inverse * s[:, None] * s, int(keep.sum())
+
+    def score(self, members) -> float:
+        key = frozenset(members)
+        if key not in self._cache:
+            self._cache[key] = self._score(key)
+        return self._cache[key]
+
+    def _score(self, members) -> float:
+        rss, rank = self.energy, 0
+        if members:
+            index, theta, covariance, rank = self.solve(members)
+            if self._is_impossible(members, index, theta, covariance):
+                return _IMPOSSIBLE
+            fitted = np.einsum("iab,a,b->i", self.gram[:, index[:, None], index], theta, theta)
+            rss = np.maximum(self.energy - 2.0 * self.cross[:, index] @ theta + fitted, 0.0)
+        likelihood = np.sum(self.m * np.log(np.maximum(rss / self.m, self.floor)))
+        return float(likelihood + rank * np.log(self.m.sum()) + sum(self.terms[k].price for k in members))
+
+    def _is_impossible(self, members, index, theta, covariance) -> bool:
+        """A coefficient that physics makes positive is clearly negative."""
+        position = {column: a for a, column in enumerate(index)}
+        for k in members:
+            term = self.terms[k]
+            for contrast in term.source.contrasts(list(term.labels)) if term.is_physical else ():
+                c = np.zeros(len(index))
+                for label, factor in contrast.items():
+                    if label in term.labels:
+                        c[position[self.place[k][term.labels.index(label)]]] = factor
+                if c @ theta < -_NEGATIVE_Z * np.sqrt(max(c @ covariance @ c, 1e-300)):
+                    return True
+        return False
+
+    def pick(self) -> frozenset:
+        """The best set: a beam over effects alone, then additions, removals and exchanges with corrections too."""
+        physical = [k for k, term in enumerate(self.terms) if term.is_physical]
+        starts = [frozenset(), *self._beam(physical)]
+        best = min((self._climb(start) for start in starts), key=self.score)
+        return self._exchange(best)
+
+    def _beam(self, allowed, width: int = 4, depth: int = 4) -> list[frozenset]:
+        beam, best = [frozenset()], frozenset()
+        for _ in range(depth):
+            longer = {members | {k} for members in beam for k in allowed if self._fits(members, k)}
+            beam = sorted(longer, key=self.score)[:width]
+            if not beam or self.score(beam[0]) >= self.score(best):
+                break
+            best = beam[0]
+        return [best] if best else []
+
+    def _fits(self, members, k) -> bool:
+        name = self.terms[k].name
+        return all(self.terms[j].name != name for j in members)
+
+    def _climb(self, members: frozenset) -> frozenset:
+        while True:
+            moves = [members - {k} for k in members]
+            if len(members) < _MAX_TERMS:
+                moves += [members | {k} for k in range(len(self.terms)) if self._fits(members, k)]
+            best = min(moves, key=self.score, default=members)
+            if self.score(best) >= self.score(members):
+                return members
+            members = best
+
+    def _exchange(self, members: frozenset) -> frozenset:
+        while True:
+            moves = []
+            for j in members:
+                rest = members - {j}
+                moves += [rest | {k} for k in range(len(self.terms)) if k != j and self._fits(rest, k)]
+            best = min(moves, key=self.score, default=members)
+            if self.score(best) >= self.score(members):
+                return members
+            members = self._climb(best)
+
+    def prune(self, members: frozenset) -> frozenset:
+        """Drop the axes (harmonics) of an effect that the data does not support; the effect keeps one at least."""
+        for k in sorted(k for k in members if self.terms[k].is_physical):
+            current = k
+            for group in self.terms[k].source.groups(self.terms[k].labels):
+                term = self.terms[current]
+                kept = tuple(label for label in term.labels if label not in group)
+                if not kept or len(kept) == len(term.labels):
+                    continue
+                smaller = (members - {current}) | {self._part(current, kept)}
+                if self.score(smaller) < self.score(members):
+                    members, current = smaller, len(self.terms) - 1
+        return members
+
+    def _part(self, k: int, labels: tuple[str, ...]) -> int:
+        term = self.terms[k]
+        self.terms.append(Term(term.source, labels, term.shape))
+        self.place.append(np.array([self.place[k][term.labels.index(label)] for label in labels]))
+        return len(self.terms) - 1
+
+    def alternatives(self, members: frozenset) -> list[list[str]]:
+        """Sets of effect names that the data cannot tell apart, each with the named effect first."""
+        own = self.score(members)
+        physical = [k for k, term in enumerate(self.terms) if term.is_physical]
+        found: dict[str, list[str]] = {}
+        for j in sorted(k for k in members if self.terms[k].is_physical):
+            rest, name = members - {j}, self.terms[j].name
+            rivals = [k for k in physical if self.terms[k].name != name and self._fits(rest, k)]
+            close = [(self.score(rest | {k}), (k,)) for k in rivals]
+            close += [
+                (self.score(rest | {k, h}), (k, h)) for a, k in enumerate(rivals) for h in rivals[a + 1 :]
+                if _is_simple(self.terms[k]) and _is_simple(self.terms[h]) and self.terms[k].name != self.terms[h].name
+            ]  # fmt: skip
+            near = [pair for score, pair in sorted(close) if score < own + TOLERANCE + PHYSICAL_PRICE * (len(pair) - 1)]
+            others = list(dict.fromkeys(self.terms[k].name for pair in near for k in pair))
+            if others:
+                found.setdefault(name, [name]).extend(o for o in others if o not in found[name])
+        return list(found.values())
+
+
+def _is_simple(term: Term) -> bool:
+    return term.name in ("coulomb_friction", "current_offset", "viscous_friction", "thrust_constant", "cable_spring")
+
+
+def columns_of(term_columns: dict[str, np.ndarray], rows: np.ndarray, n_axes: int) -> list[np.ndarray | None]:
+    """Per axis the regressors (rows, p) of an effect, None where all are zero."""
+    stacked = np.stack([column[rows] for column in term_columns.values()], axis=-1)
+    return [stacked[:, i] if np.any(stacked[:, i]) else None for i in range(n_axes)]
