@@ -3,7 +3,7 @@
 -- out_product = in_a * in_b, signed, full precision.
 --
 -- Operands and product are registered, so that the whole entity fits one DSP block with its own registers; a vendor's
--- primitive may replace it by a mapping file.
+-- primitive may replace it by a mapping file. Nothing toggles without in_valid; the product holds until the next.
 --
 -- Formats: a_bits_g x b_bits_g -> a_bits_g + b_bits_g. Latency: 2 clocks. Overflow: cannot happen.
 
@@ -44,11 +44,15 @@ begin
 
     if rising_edge(clk) then
       -- stage 1
-      a_1 <= in_a;
-      b_1 <= in_b;
+      if in_valid = '1' then
+        a_1 <= in_a;
+        b_1 <= in_b;
+      end if;
       valid_1 <= in_valid;
       -- stage 2
-      product_2 <= a_1 * b_1;
+      if valid_1 = '1' then
+        product_2 <= a_1 * b_1;
+      end if;
       valid_2 <= valid_1;
       if rst = '1' then
         valid_1 <= '0';

@@ -154,7 +154,7 @@ def simulate_top(cocotb_test: str, **options) -> None:
 
 @pytest.mark.slow
 def test_top_equals_model_at_poses_of_the_workspace():
-    simulate_top("poses", generics={"lanes_g": 4})
+    simulate_top("poses", generics={"lanes_g": 1})
 
 
 @pytest.mark.slow
