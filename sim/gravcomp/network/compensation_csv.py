@@ -29,7 +29,7 @@ COMPENSATION_CSV = "compensation.csv"
 MAX_HARMONIC = 32  # of a table of 256 nodes: 8 nodes per wave
 _HEADER = ["axis", "name", "value"]
 _POSITIVE = ("clock_hz", "vs_mps", "v_dead_mps", "v_full_mps", "v_max_mps", "pitch_m")
-_FRICTION = ("fc_pos_n", "fc_neg_n", "stribeck_n", "b_ns_per_m", "mu")
+FRICTION = ("fc_pos_n", "fc_neg_n", "stribeck_n", "b_ns_per_m", "mu")
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def save_compensation(compensation: Compensation, folder: Path | str, comment: s
 def check_compensation(c: Compensation, where: Path | str) -> None:
     """Raise InputError for a constant that lacks another one; where names the source."""
     for axis in range(c.n_axes):
-        has_friction = any(getattr(c, name)[axis] for name in _FRICTION)
+        has_friction = any(getattr(c, name)[axis] for name in FRICTION)
         needs = [
             (has_friction, "clock_hz", "friction needs the clock of the FPGA"),
             (has_friction, "v_dead_mps", "friction needs a dead band, or it would chatter at rest"),
