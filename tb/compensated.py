@@ -22,7 +22,8 @@ all,v_full_mps,4e-4
 1,fc_neg_n,1.1
 1,stribeck_n,0.9
 1,vs_mps,0.002
-1,b_ns_per_m,310
+1,b_pos_ns_per_m,310
+1,b_neg_ns_per_m,250
 1,v_max_mps,0.02
 2,fc_pos_n,-0.4
 2,fc_neg_n,130

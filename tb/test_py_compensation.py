@@ -99,7 +99,7 @@ def test_friction_is_within_its_derived_bound_of_the_float_model(rich):
     v = 4 * c.clock_hz * M_PER_COUNT / period
     force_mn = rng.integers(-130_000, 130_000, v.shape)
     exact_mn = 1e3 * c.friction_n(v) + np.sign(v) * c.mu * np.abs(force_mn)
-    bound_mn = 1.5 + 1e3 * (2 / 512 * c.b_ns_per_m * np.abs(v) * 9 / 8 + 1.22 / 512 * np.abs(c.stribeck_n))
+    bound_mn = 1.5 + 1e3 * (2 / 512 * c.b_pos_ns_per_m * np.abs(v) * 9 / 8 + 1.22 / 512 * np.abs(c.stribeck_n))
     bound_mn = bound_mn + 2.0**-17 * np.abs(force_mn)
     part = np.abs(friction(force_mn, period, fixed) - exact_mn) / bound_mn
     assert part.max() <= 1
@@ -114,7 +114,9 @@ def test_friction_differs_by_direction(rich):
     np.testing.assert_allclose(forward[0], 1e3 * c.friction_n(v), atol=1.0)
     np.testing.assert_allclose(backward[0], 1e3 * c.friction_n(-v), atol=1.0)
     assert forward[0, 0] > 0 > backward[0, 0]
-    assert forward[0, 0] + backward[0, 0] == pytest.approx(1e3 * (c.fc_pos_n - c.fc_neg_n)[0], abs=2.0)
+    assert forward[0, 0] + backward[0, 0] == pytest.approx(
+        1e3 * (c.fc_pos_n - c.fc_neg_n + (c.b_pos_ns_per_m - c.b_neg_ns_per_m) * v)[0], abs=2.0
+    )
 
 
 def test_friction_rises_from_zero_and_never_changes_sign(rich):
@@ -132,7 +134,7 @@ def test_friction_rises_from_zero_and_never_changes_sign(rich):
     assert not down[still].any()
     in_ramp = (v > c.v_dead_mps[0]) & (v < c.v_full_mps[0])
     assert (np.diff(up[in_ramp]) <= 0).all(), "it must fall as the axis slows down"
-    assert (up[in_ramp] <= 1e3 * (c.fc_pos_n + c.stribeck_n + c.b_ns_per_m * c.v_full_mps)[0] + 1).all()
+    assert (up[in_ramp] <= 1e3 * (c.fc_pos_n + c.stribeck_n + c.b_pos_ns_per_m * c.v_full_mps)[0] + 1).all()
 
 
 @pytest.mark.parametrize("pace", [8, 40, 300])
@@ -175,7 +177,7 @@ def test_position_table_is_within_its_derived_bound_and_wraps(rich):
 
 def test_nothing_overflows_before_the_saturation(rich, tmp_path):
     """Constants at their limits and inputs at their corners stay in the widths that the entities have."""
-    text = HEADER + DEAD_BAND + "all,fc_pos_n,131\nall,fc_neg_n,131\nall,b_ns_per_m,1e9\nall,mu,-0.999999\n"
+    text = HEADER + DEAD_BAND + "all,fc_pos_n,131\nall,fc_neg_n,131\nall,b_pos_ns_per_m,1e9\nall,mu,-0.999999\n"
     limits = read(tmp_path, text + "all,pitch_m,0.01\nall,a1_n,131\n")
     corners = np.array([-(2 ** (FORCE_BITS - 1)), -1, 0, 1, 2 ** (FORCE_BITS - 1) - 1])
     force, period, count = np.meshgrid(

@@ -6,7 +6,7 @@ Without the file every constant is zero and the compensator is transparent. Name
     clock_hz                of the FPGA, for all axes: speed comes as clocks per 4 counts
     fc_pos_n, fc_neg_n      Coulomb friction when moving up and down
     stribeck_n, vs_mps      what static friction adds, and the speed at which it fades: stribeck_n exp(-(v/vs)^2)
-    b_ns_per_m              viscous friction
+    b_pos_ns_per_m, b_neg_ns_per_m  viscous friction, likewise
     mu                      load-dependent friction: mu |f|, f the network's force; without unit, |mu| < 1
     v_dead_mps, v_full_mps  friction is 0 up to v_dead, whole from v_full on, linear in between; any friction needs both
     v_max_mps               above it friction is that of v_max; 0 is no limit
@@ -29,7 +29,7 @@ COMPENSATION_CSV = "compensation.csv"
 MAX_HARMONIC = 32  # of a table of 256 nodes: 8 nodes per wave
 _HEADER = ["axis", "name", "value"]
 _POSITIVE = ("clock_hz", "vs_mps", "v_dead_mps", "v_full_mps", "v_max_mps", "pitch_m")
-FRICTION = ("fc_pos_n", "fc_neg_n", "stribeck_n", "b_ns_per_m", "mu")
+FRICTION = ("fc_pos_n", "fc_neg_n", "stribeck_n", "b_pos_ns_per_m", "b_neg_ns_per_m", "mu")
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,8 @@ class Compensation:
     fc_neg_n: np.ndarray
     stribeck_n: np.ndarray
     vs_mps: np.ndarray
-    b_ns_per_m: np.ndarray
+    b_pos_ns_per_m: np.ndarray
+    b_neg_ns_per_m: np.ndarray
     mu: np.ndarray
     v_dead_mps: np.ndarray
     v_full_mps: np.ndarray
@@ -64,8 +65,10 @@ class Compensation:
         speed = np.abs(v_mps)
         speed = np.where(self.v_max_mps > 0, np.minimum(speed, self.v_max_mps), speed)
         stribeck = self.stribeck_n * np.exp(-((speed / np.where(self.vs_mps > 0, self.vs_mps, 1.0)) ** 2))
-        coulomb = np.where(np.asarray(v_mps) < 0, self.fc_neg_n, self.fc_pos_n)
-        return np.sign(v_mps) * self.ramp(v_mps) * (coulomb + stribeck + self.b_ns_per_m * speed)
+        is_down = np.asarray(v_mps) < 0
+        coulomb = np.where(is_down, self.fc_neg_n, self.fc_pos_n)
+        viscous = np.where(is_down, self.b_neg_ns_per_m, self.b_pos_ns_per_m) * speed
+        return np.sign(v_mps) * self.ramp(v_mps) * (coulomb + stribeck + viscous)
 
     def cogging_n(self, turns: np.ndarray) -> np.ndarray:
         """Position table (..., n), N, at q / pitch (..., n)."""
@@ -179,7 +182,7 @@ def _read_entry(where: str, line: list[str], n_axes: int) -> tuple[range, str, f
     if axis not in ("all", *numbers):
         raise InputError(f"{where}, column axis: {axis!r} is not an axis; give all, {', '.join(numbers)}")
     if name not in _names():
-        raise InputError(f"{where}, column name: {name!r} is not known; give one of {', '.join(_names()[:15])} ...")
+        raise InputError(f"{where}, column name: {name!r} is not known; give one of {', '.join(_names()[:16])} ...")
     if name == "clock_hz" and axis != "all":
         raise InputError(f"{where}, column axis: clock_hz is one for all axes; give all")
     try:
