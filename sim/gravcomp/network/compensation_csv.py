@@ -117,7 +117,7 @@ def save_compensation(compensation: Compensation, folder: Path | str, comment: s
     for name in _names():
         array, index = _place(compensation, name)
         values = array[(slice(None), *index)]
-        if name == "clock_hz" and values.any():
+        if values.any() and (values == values[0]).all():
             rows.append(("all", name, float(values[0])))
         elif values.any():
             rows += [(axis, name, float(value)) for axis, value in enumerate(values, start=1)]
