@@ -94,9 +94,16 @@ class Problem:
         n_parameters = self.n_hidden_parameters + y.shape[1] * (n_hidden + 1)
         self.tie = np.arange(n_parameters) if tie is None else np.asarray(tie)
         self.n_free_hidden = int(self.tie[: self.n_hidden_parameters].max()) + 1
+        # The neurons that carry the free parameters: of tied ones the last.
+        bias_index = self.tie[: self.n_hidden_parameters].reshape(self.shapes[0])[:, -1]
+        self.neurons = np.array(list({index: neuron for neuron, index in enumerate(bias_index)}.values()))
         self.spread = np.eye(int(self.tie.max()) + 1)[self.tie]
         # Kept from step to step: allocating it anew would cost as much as filling it.
         self._rows = np.empty((len(x), self.n_hidden_parameters + n_hidden + 1))
+        # Its columns go by input, then neuron: long loops are fast; parameters go by neuron, then input.
+        by_neuron = np.arange(self.n_hidden_parameters).reshape(-1, n_hidden).T.ravel()
+        by_neuron = np.r_[by_neuron, np.arange(self.n_hidden_parameters, self._rows.shape[1])]
+        self._by_neuron = np.ix_(by_neuron, by_neuron)
         self.ridge = ridge * len(x) * np.tile(np.arange(n_hidden + 1) < n_hidden, y.shape[1])
 
     def at(self, free_hidden: np.ndarray) -> Point:
@@ -117,9 +124,10 @@ class Problem:
         n_hidden, n_in = self.shapes[0]
         slope = self.activation.slope(point.sums)
         n, b = self.n_hidden_parameters, self._rows
-        np.multiply(slope[:, :, None], self.inputs[:, None, :], out=b[:, :n].reshape(-1, n_hidden, n_in))
+        for a in range(n_in):
+            np.multiply(slope, self.inputs[:, a : a + 1], out=b[:, a * n_hidden : (a + 1) * n_hidden])
         b[:, n:] = point.act
-        gram = b.T @ b
+        gram = (b.T @ b)[self._by_neuron]
         v = np.repeat(point.output[:, :-1], n_in, axis=1)
         cross = np.hstack([v_k[:, None] * gram[:n, n:] for v_k in v])
         outer = np.kron(np.eye(len(v)), gram[n:, n:]) + np.diag(self.ridge)
@@ -133,8 +141,8 @@ class Problem:
 def levenberg_marquardt(problem: Problem, hidden: np.ndarray, stop: Stop = Stop()) -> Fit:
     """Train from hidden parameters [W b_H] (h, n+1); the output layer needs no start.
 
-    Tied parameters must be equal in ``hidden``. Raises numpy.linalg.LinAlgError when the output layer is undetermined
-    (two equal neurons and no ridge).
+    Tied parameters start from the last neuron that they belong to. Raises numpy.linalg.LinAlgError when the output
+    layer is undetermined (two equal neurons and no ridge).
     """
     free = np.empty(problem.n_free_hidden)
     free[problem.tie[: problem.n_hidden_parameters]] = hidden.ravel()

@@ -14,8 +14,8 @@ WEIGHT_LIMIT = 4.0
 _REACH = 2.5
 
 _DRAW = Stop(steps=120)
-_PROBE, _PROBE_FACTOR = Stop(steps=40, stall=1e-2, stall_steps=20), 1.5
-_SETTLE = Stop(steps=150)
+_PROBE, _PROBE_FACTOR = Stop(steps=40, stall=1e-2, stall_steps=20), 1.25
+_SETTLE = Stop(steps=100)
 _HEAT = 0.03  # a hop may raise the cost by this fraction, on average
 _PATIENCE = 300  # hops without a new best before returning to it
 
@@ -39,7 +39,7 @@ def basin_hopping(problem: Problem, fit: Fit, n_hops: int, rng: np.random.Genera
     best = current = fit
     idle = 0
     for _ in range(n_hops):
-        trial = levenberg_marquardt(problem, _disturbed(current.hidden, rng), _PROBE)
+        trial = levenberg_marquardt(problem, _disturbed(current.hidden, problem.neurons, rng), _PROBE)
         if trial.cost < _PROBE_FACTOR * current.cost:
             trial = levenberg_marquardt(problem, trial.hidden, _SETTLE)
         idle += 1
@@ -52,18 +52,27 @@ def basin_hopping(problem: Problem, fit: Fit, n_hops: int, rng: np.random.Genera
     return best
 
 
-def _disturbed(hidden: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Hidden parameters with one neuron drawn anew, three neurons shaken, or all shaken a little."""
+def _disturbed(hidden: np.ndarray, neurons: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Hidden parameters with some of the given neurons moved: one replaced, a few shaken, or all shaken a little.
+
+    A replacement mostly takes the direction of another neuron, with a slope and an offset of its own: good networks of
+    this robot bundle their neurons along a few directions, the normals of the singular faces.
+    """
     hidden = hidden.copy()
-    n_hidden, n_columns = hidden.shape
-    kind = rng.integers(4)
-    if kind < 2:
-        hidden[rng.integers(n_hidden)] = random_hidden(1, n_columns - 1, rng)[0] * rng.uniform(0.3, 1.6)
+    n_columns = hidden.shape[1]
+    kind = rng.choice(4, p=[0.45, 0.1, 0.2, 0.25])
+    if kind == 0:
+        direction = hidden[rng.integers(len(hidden)), :-1]
+        slope = np.exp(rng.uniform(*np.log([0.5, 1.6 * WEIGHT_LIMIT])))
+        direction = direction / np.linalg.norm(direction)
+        hidden[rng.choice(neurons)] = slope * np.r_[direction, rng.uniform(-1.2, 1.2)]
+    elif kind == 1:
+        hidden[rng.choice(neurons)] = random_hidden(1, n_columns - 1, rng)[0] * rng.uniform(0.3, 1.6)
     elif kind == 2:
-        chosen = rng.choice(n_hidden, min(3, n_hidden), replace=False)
+        chosen = rng.choice(neurons, min(3, len(neurons)), replace=False)
         hidden[chosen] += rng.choice([0.2, 0.5]) * rng.standard_normal((len(chosen), n_columns))
     else:
-        hidden += rng.choice([0.03, 0.1, 0.2]) * rng.standard_normal(hidden.shape)
+        hidden[neurons] += rng.choice([0.03, 0.1, 0.2]) * rng.standard_normal((len(neurons), n_columns))
     return hidden
 
 

@@ -47,11 +47,15 @@ class TrainingSet:
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard one start searches: random draws, then hops, both on the first search_poses poses."""
+    """How hard one start searches: random draws, hops with tied weights, hops with all weights free.
 
-    draws: int = 60
-    hops: int = 300
-    search_poses: int = 1000
+    All on the first search_poses poses. Without symmetry nothing is tied and both kinds of hops are the same.
+    """
+
+    draws: int = 40
+    tied_hops: int = 60
+    hops: int = 250
+    search_poses: int = 600
 
 
 def workspace_set(n_poses: int, p: RobotParameters, seed: int) -> TrainingSet:
@@ -98,8 +102,9 @@ def search_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: 
     rng = np.random.default_rng(seed)
     x, y = x[: effort.search_poses], y[: effort.search_poses]
     tie = cyclic_tie(n_hidden, y.shape[1]) if symmetric else None
-    drawn = best_of_draws(Problem(x, y, n_hidden, ACTIVATIONS[activation], tie, RIDGE), effort.draws, rng)
-    return basin_hopping(_problem(x, y, n_hidden, activation, symmetric), drawn, effort.hops, rng)
+    tied = Problem(x, y, n_hidden, ACTIVATIONS[activation], tie, RIDGE)
+    fit = basin_hopping(tied, best_of_draws(tied, effort.draws, rng), effort.tied_hops, rng)
+    return basin_hopping(_problem(x, y, n_hidden, activation, symmetric), fit, effort.hops, rng)
 
 
 def snapped(fit: Fit, problem: Problem, scaling: Scaling, p: RobotParameters) -> Network:
