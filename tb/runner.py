@@ -4,6 +4,7 @@ import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
+from unittest.mock import patch
 
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
@@ -55,21 +56,23 @@ def simulate(
     except RuntimeError as stop:
         raise AssertionError(f"{name}: does not compile ({stop})\n{_tail(build_log)}") from None
     try:
-        results = runner.test(
-            hdl_toplevel=entity,
-            test_module=test_module,
-            test_args=["--std=08"],
-            parameters=generics,
-            plusargs=[f"--vcd={vcd}"] if vcd else [],
-            extra_env={
-                "PYTHONPATH": os.pathsep.join([str(ROOT / "tb"), os.environ.get("PYTHONPATH", "")]),
-                **{k.upper(): str(v) for k, v in generics.items()},
-                **(environment or {}),
-            },
-            build_dir=build_dir,
-            test_filter=tests,
-            log_file=log,
-        )
+        variables = {
+            "PYTHONPATH": os.pathsep.join([str(ROOT / "tb"), os.environ.get("PYTHONPATH", "")]),
+            **{k.upper(): str(v) for k, v in generics.items()},
+            **(environment or {}),
+        }
+        # In os.environ, because cocotb's runner prefers that to its own extra_env: make exports WEIGHTS.
+        with patch.dict(os.environ, variables):
+            results = runner.test(
+                hdl_toplevel=entity,
+                test_module=test_module,
+                test_args=["--std=08"],
+                parameters=generics,
+                plusargs=[f"--vcd={vcd}"] if vcd else [],
+                build_dir=build_dir,
+                test_filter=tests,
+                log_file=log,
+            )
         n_tests, n_failed = get_results(results)
     except (SystemExit, RuntimeError) as stop:
         raise AssertionError(f"{name}: the simulation failed ({stop})\n{_tail(log)}") from None
