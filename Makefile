@@ -6,7 +6,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim test test-fast train table1 rom budget latency lint clean
+.PHONY: help setup sim test test-fast train table1 rom budget latency formats docs lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -16,7 +16,7 @@ setup:
 
 sim: setup ## the main job: robot poses through the encoder pins of the VHDL under GHDL; table and pictures
 	@$(RUN)/gravcomp rom --weights $(WEIGHTS) --check
-	@$(PYTEST) -q tb/test_rtl_top.py
+	@$(PYTEST) -v tb/test_rtl_top.py
 	@$(RUN)/gravcomp sim-report --weights $(WEIGHTS)
 
 test: setup ## all tests
@@ -41,6 +41,17 @@ budget: setup ## operations per inference: counted in NumPy, counted in the runn
 latency: setup ## initiation interval and latency per number of lanes, measured in simulation
 	@$(PYTEST) -q -n auto tb/test_rtl_core.py
 	@$(RUN)/gravcomp latency
+
+formats: setup ## what every signal of the core can hold over all counts; fixed point against float
+	@$(RUN)/gravcomp formats --weights $(WEIGHTS)
+
+docs: sim latency budget ## docs/results.md and its pictures, from fresh runs
+	@{ echo "# Results"; echo; echo "Written by \`make docs\`."; \
+	   echo; echo "## End to end"; echo; $(RUN)/gravcomp sim-report --weights $(WEIGHTS) --pictures docs/figures; \
+	   echo; echo "## Interval and latency"; echo; $(RUN)/gravcomp latency; \
+	   echo; echo "## Operations"; echo; $(RUN)/gravcomp budget; \
+	   echo; echo "## Fixed point"; echo; $(RUN)/gravcomp formats --weights $(WEIGHTS); } >build/results.md
+	@mv build/results.md docs/results.md
 
 lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
 	@$(RUN)/ruff check . && $(RUN)/ruff format --check .

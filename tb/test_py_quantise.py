@@ -5,14 +5,13 @@ import pytest
 
 from codes import ROOT
 from gravcomp.network import bittrue
-from gravcomp.network import quantise as q
 from gravcomp.network.activation import gamma
 from gravcomp.network.quantise import bits_for, partial_sum_interval, quantise
 from gravcomp.network.weights import Network, load_network
+from gravcomp.proof.bounds import fixed_point_error_mn, intervals
 from gravcomp.proof.poses import counts_at
-from gravcomp.robot.kinematics import inverse_kinematics
 from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.workspace import pose, sample_workspace
+from gravcomp.robot.workspace import pose
 
 P = load_parameters()
 SEED = 41
@@ -29,16 +28,9 @@ def fixed(network):
 
 
 def test_core_stays_within_3_mn_rms_and_15_mn_of_the_float_network(network, fixed):
-    q_m = inverse_kinematics(sample_workspace(20000, P, SEED), P)
-    counts = np.rint(q_m / P.encoder_m_per_count).astype(np.int64)
-    answer = bittrue.core(counts, fixed)
-    error_mn = answer.force_mn - 1000.0 * network.forces(q_m)
-    rms, largest = np.sqrt((error_mn**2).mean()), np.abs(error_mn).max()
-    print(f"MEASURED fixed point against float, seed {SEED}: RMS {rms:.2f} mN, maximum {largest:.2f} mN")
-    assert not answer.clamped.any()
-    assert not answer.saturated.any()
-    assert rms <= 3.0
-    assert largest <= 15.0
+    error_mn = fixed_point_error_mn(network, fixed, P, 20000, SEED)
+    assert np.sqrt((error_mn**2).mean()) <= 3.0
+    assert np.abs(error_mn).max() <= 15.0
 
 
 def test_whole_workspace_lies_inside_the_trained_range(fixed):
@@ -48,40 +40,9 @@ def test_whole_workspace_lies_inside_the_trained_range(fixed):
     assert not bittrue.core(counts_at(pose(azimuth, np.deg2rad(P.tilt_max_deg), torsion), P), fixed).clamped.any()
 
 
-def intervals(fixed) -> dict[str, tuple[int, int, int]]:
-    """Lowest and highest value of every signal of the core over ALL counts, and the bits of its format.
-
-    Interval arithmetic on the constants that the hardware holds: no sampling. Sums: any partial sum, in any order.
-    """
-    half = 2 ** (q.OPERAND_BITS - 1)
-    code = (int((fixed.count_low >> fixed.count_shift).min()), int((fixed.count_high >> fixed.count_shift).max()))
-    x = (int(fixed.x_low.min()), int(fixed.x_high.max()))
-    hidden_sum = partial_sum_interval(fixed.hidden_weights, fixed.hidden_bias, fixed.x_low, fixed.x_high)
-    # The slope at a = 0 wraps, where its product is 0 all the same; everywhere else |a| >= 1.
-    slope = ((2**18 - half) >> 1, (2**18 - 1) >> 1)
-    h = (-half * slope[0] >> 16, 2**17 - 1)
-    output_sum = partial_sum_interval(fixed.output_weights, fixed.output_bias, *h)
-    scale = int(fixed.output_scale.max())
-    force = (-half * scale >> fixed.output_scale_fraction, (half - 1) * scale >> fixed.output_scale_fraction)
-    current = tuple(
-        edge * fixed.current_scale + (1 << fixed.current_scale_fraction - 1) >> fixed.current_scale_fraction
-        for edge in (-(2 ** (q.FORCE_BITS - 1)), 2 ** (q.FORCE_BITS - 1) - 1)
-    )
-    return {
-        "count code": (*code, q.OPERAND_BITS),
-        "x": (*x, q.OPERAND_BITS),
-        "hidden sum": (*hidden_sum, fixed.hidden_sum_bits),
-        "slope": (*slope, q.OPERAND_BITS),
-        "h": (*h, q.OPERAND_BITS),
-        "output sum": (*output_sum, fixed.output_sum_bits),
-        "force": (*force, q.FORCE_BITS),
-        "current": (*current, q.CURRENT_BITS),
-    }
-
-
 def test_no_signal_overflows_for_any_count(fixed):
-    for name, (low, high, bits) in intervals(fixed).items():
-        assert bits_for(low, high) <= bits, name
+    for name, interval in intervals(fixed).items():
+        assert interval.needed_bits <= interval.bits, name
 
 
 def test_intervals_hold_what_the_model_computes(fixed):
@@ -96,14 +57,13 @@ def test_intervals_hold_what_the_model_computes(fixed):
         "hidden sum": x @ fixed.hidden_weights.T + fixed.hidden_bias,
         "h": bittrue.activation(np.arange(-(2**17), 2**17)),
         "output sum": bittrue.output_layer(h, fixed),
-        "force": bittrue.core(counts, fixed).force_mn,
+        "force, mN": bittrue.core(counts, fixed).force_mn,
     }
     bounds = intervals(fixed)
     for name, values in seen.items():
-        low, high, _ = bounds[name]
-        assert low <= values.min(), name
-        assert values.max() <= high, name
-    assert (seen["x"].min(), seen["x"].max()) == bounds["x"][:2], "the corners of the clamp reach the ends of x"
+        assert bounds[name].low <= values.min(), name
+        assert values.max() <= bounds[name].high, name
+    assert (seen["x"].min(), seen["x"].max()) == (bounds["x"].low, bounds["x"].high), "the clamp reaches the ends of x"
 
 
 def test_partial_sums_of_a_known_case_have_the_known_interval():

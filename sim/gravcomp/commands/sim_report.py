@@ -11,6 +11,7 @@ from gravcomp.robot.parameters import load_parameters
 
 def add_arguments(parser):
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="weights folder of the ROM")
+    parser.add_argument("--pictures", type=Path, help="folder of the pictures (default: that of the run)")
     parser.add_argument("--run", type=Path, default=Path("build/sim"), help="folder that the simulation wrote")
 
 
@@ -19,6 +20,7 @@ def run(arguments):
     fixed = quantise(load_network(arguments.weights), p, arguments.weights)
     print("Simulated VHDL (gc_top, from its encoder pins) against the bit-true model and the statics:\n")
     print(error_table(load_run(arguments.run / "poses.csv"), fixed, p))
-    save_figure(error_maps(fixed, p), arguments.run / "error_maps.png")
-    save_figure(run_picture(arguments.run / "run.vcd", fixed.n_axes, FORCE_BITS), arguments.run / "run.png")
-    print(f"\nPictures: {arguments.run / 'run.png'}, {arguments.run / 'error_maps.png'}; waveform: run.vcd beside them")
+    folder = arguments.pictures or arguments.run
+    save_figure(error_maps(fixed, p), folder / "error_maps.png")
+    save_figure(run_picture(arguments.run / "run.vcd", fixed.n_axes, FORCE_BITS), folder / "run.png")
+    print(f"\nPictures: {folder / 'run.png'}, {folder / 'error_maps.png'}; waveform: {arguments.run / 'run.vcd'}")

@@ -1,0 +1,29 @@
+"""Print what the fixed-point core can ever compute, and how far it is from the float network."""
+
+from pathlib import Path
+
+import numpy as np
+
+from gravcomp.network.quantise import quantise
+from gravcomp.network.weights import load_network
+from gravcomp.proof.bounds import fixed_point_error_mn, intervals
+from gravcomp.robot.parameters import load_parameters
+
+N_POSES, SEED = 20000, 41
+
+
+def add_arguments(parser):
+    parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="weights folder")
+
+
+def run(arguments):
+    p, network = load_parameters(), load_network(arguments.weights)
+    fixed = quantise(network, p, arguments.weights)
+    print("Codes over all 2^32 counts per axis, by interval arithmetic on the weights:\n")
+    print("| signal | lowest | highest | bits needed | bits |\n|---|---|---|---|---|")
+    for name, interval in intervals(fixed).items():
+        print(f"| {name} | {interval.low} | {interval.high} | {interval.needed_bits} | {interval.bits} |")
+    error = fixed_point_error_mn(network, fixed, p, N_POSES, SEED)
+    rms, largest = np.sqrt((error**2).mean()), np.abs(error).max()
+    print(f"\nFixed point against float over the workspace ({N_POSES} poses, seed {SEED}): ", end="")
+    print(f"RMS {rms:.2f} mN, maximum {largest:.2f} mN.")
