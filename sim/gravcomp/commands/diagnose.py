@@ -51,3 +51,4 @@ def run(arguments):
     for names in content["alternatives"]:
         print(f"  this data cannot tell apart: {', '.join(names)}")
     print(table(content))
+    return found

@@ -1,0 +1,18 @@
+"""Print the errors of a loop on held-out samples: analytic model, network and RTL, before and after."""
+
+from pathlib import Path
+
+from gravcomp.measured.loop import RUNS, error_table, noise_floor_n
+
+
+def add_arguments(parser):
+    parser.add_argument("--loop", type=Path, default=Path("build/loop"), help="folder (default %(default)s)")
+
+
+def run(arguments):
+    print("| held-out samples | before: RMS, N | max, N | ave, % | after: RMS, N | max, N | ave, % |")
+    print("|---|---|---|---|---|---|---|")
+    for name, runs in error_table(arguments.loop).items():
+        cells = [f"{runs[run]['rms_n']:.3f} | {runs[run]['max_n']:.2f} | {runs[run]['ave_pct']:.2f}" for run in RUNS]
+        print(f"| {name} | {' | '.join(cells)} |")
+    print(f"\nNoise of the measurement: {noise_floor_n(arguments.loop):.3f} N RMS.")

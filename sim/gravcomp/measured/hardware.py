@@ -1,0 +1,124 @@
+"""Where a found effect goes: into the compensator's constants, into the network by training it again, or nowhere.
+
+The compensator takes what depends on direction and speed, and cogging; the network what varies slowly with the
+position. What depends on time, on acceleration or on the way to a position has no place in this hardware.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gravcomp.errors import InputError
+from gravcomp.measured.effects import effect_named
+from gravcomp.measured.effects.base import axis_of
+from gravcomp.measured.measurement import Measurement
+from gravcomp.network.compensation_csv import (
+    FRICTION,
+    MAX_HARMONIC,
+    Compensation,
+    check_compensation,
+    no_compensation,
+)
+
+DEFAULT_CLOCK_HZ = 100e6
+# Friction is off below and whole above; both well below the speeds of slow motion that it is identified from.
+DEAD_BAND_MPS = (5e-5, 1e-4)
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Found effects by place: constants and names for the compensator, names for the network, and those for nowhere."""
+
+    compensation: Compensation
+    in_compensator: list[str]
+    in_network: list[str]
+    nowhere: list[str]
+
+
+def compensation_from_effects(
+    effects: Sequence[Mapping], data: Measurement, clock_hz: float = DEFAULT_CLOCK_HZ
+) -> Placement:
+    """Place effects, each {"name": ..., "params": {...}} as in report.json, found in data of the robot.
+
+    Friction that several effects bring adds up. Friction of passive joints becomes what it is on average on each axis
+    in this data; presliding hysteresis the friction that it ends in. Friction beyond the fastest speed of the data is
+    held, as no fit has seen it. Raises InputError for effects that the compensator cannot hold.
+    """
+    constants, places = no_compensation(data.n_axes), {"compensator": [], "network": [], "none": []}
+    for effect in effects:
+        name, params = effect["name"], effect["params"]
+        where = "compensator" if name in _TO_CONSTANTS else effect_named(name).hardware
+        places[where].append(name)
+        if where == "compensator":
+            _add(constants, _TO_CONSTANTS[name](params, data))
+    if any(getattr(constants, name).any() for name in FRICTION):
+        dead, full = DEAD_BAND_MPS
+        common = {"clock_hz": clock_hz, "v_dead_mps": dead, "v_full_mps": full, "v_max_mps": np.abs(data.v).max()}
+        constants = replace(constants, **{name: np.full(data.n_axes, value) for name, value in common.items()})
+    check_compensation(constants, "found effects")
+    return Placement(constants, places["compensator"], places["network"], places["none"])
+
+
+def _per_axis(params: Mapping[str, float], stem: str, n_axes: int) -> np.ndarray:
+    """Parameters stem_1, stem_2, ...; zero where an axis has none."""
+    return np.array([params.get(f"{stem}_{axis}", 0.0) for axis in range(1, n_axes + 1)])
+
+
+def _coulomb(params, data) -> dict:
+    both, up, down = (_per_axis(params, stem, data.n_axes) for stem in ("fc", "fc_pos", "fc_neg"))
+    return {"fc_pos_n": both + up, "fc_neg_n": both + down}
+
+
+def _viscous(params, data) -> dict:
+    both, up, down = (_per_axis(params, stem, data.n_axes) for stem in ("b", "b_pos", "b_neg"))
+    return {"b_pos_ns_per_m": both + up, "b_neg_ns_per_m": both + down}
+
+
+def _stribeck(params, data) -> dict:
+    fc, fs, vs = (_per_axis(params, stem, data.n_axes) for stem in ("fc", "fs", "vs"))
+    return {"fc_pos_n": fc, "fc_neg_n": fc, "stribeck_n": fs - fc, "vs_mps": vs}
+
+
+def _load_dependent(params, data) -> dict:
+    return {"mu": _per_axis(params, "mu", data.n_axes)}
+
+
+def _passive(params, data) -> dict:
+    """The Coulomb friction that is nearest to these forces in the mean square."""
+    force = effect_named("passive_joint_friction").predict(data, params)
+    friction_n = np.mean(force * data.direction, axis=0)
+    return {"fc_pos_n": friction_n, "fc_neg_n": friction_n}
+
+
+def _cogging(params, data) -> dict:
+    waves = no_compensation(data.n_axes)
+    for label, amplitude_n in params.items():
+        if label.startswith("amplitude_"):
+            tail, axis = label.removeprefix("amplitude_"), axis_of(label)
+            harmonic = int(tail.split("_h")[1])
+            if harmonic > MAX_HARMONIC:
+                raise InputError(
+                    f"effect cogging: harmonic {harmonic} is above {MAX_HARMONIC}; delete it from the model"
+                )
+            waves.a_n[axis, harmonic - 1], waves.p_rad[axis, harmonic - 1] = amplitude_n, params[f"phase_{tail}"]
+    return {"pitch_m": np.full(data.n_axes, params["pitch"]), "a_n": waves.a_n, "p_rad": waves.p_rad}
+
+
+_TO_CONSTANTS = {
+    "coulomb_friction": _coulomb,
+    "viscous_friction": _viscous,
+    "stribeck_friction": _stribeck,
+    "load_dependent_friction": _load_dependent,
+    "passive_joint_friction": _passive,
+    "presliding_hysteresis": _coulomb,
+    "cogging": _cogging,
+}
+
+
+def _add(constants: Compensation, more: Mapping[str, np.ndarray]) -> None:
+    for name, value in more.items():
+        own = getattr(constants, name)
+        if name in ("pitch_m", "vs_mps") and own.any():
+            raise InputError(f"found effects: two of them give {name}; the compensator holds one")
+        own += value

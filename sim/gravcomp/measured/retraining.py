@@ -1,0 +1,43 @@
+"""Training a network again on statics that have changed a little, from the weights that it has."""
+
+from dataclasses import replace
+
+import numpy as np
+from tqdm import tqdm
+
+from gravcomp.network.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
+from gravcomp.network.scaling import Scaling
+from gravcomp.network.training import RIDGE, TrainingSet, one_blas_thread, snapped
+from gravcomp.network.weights import Network
+from gravcomp.robot.parameters import RobotParameters
+
+N_POSES = 2500
+_ROUNDS, _ROUND = 10, Stop(steps=50)
+_MARGIN = 1.02  # of the forces over those of the training poses: the bounds of the workspace lie a little beyond
+
+
+def retrained(network: Network, data: TrainingSet, p: RobotParameters) -> tuple[Network, Fit]:
+    """The network trained on data from its own hidden weights, on the hardware's grid, and its fit in normalised units.
+
+    Normalisation of positions stays; that of forces follows the data. Raises InputError when the hardware cannot hold
+    the weights.
+    """
+    network = _without_offset(network)
+    low, high = data.f_n.min(axis=0), data.f_n.max(axis=0)
+    scaling = Scaling(network.q_scale_per_m, (high + low) / 2, _MARGIN * (high - low) / 2)
+    gamma = ACTIVATIONS["gamma"]
+    problem = Problem(scaling.x(data.q_m), scaling.y(data.f_n), network.n_hidden, gamma, ridge=RIDGE)
+    hidden = np.c_[network.hidden_weights, network.hidden_bias]
+    with one_blas_thread():
+        for _ in tqdm(range(_ROUNDS), desc="retraining", delay=2.0):
+            fit = levenberg_marquardt(problem, hidden, _ROUND)
+            hidden = fit.hidden
+            if fit.reason != "steps":
+                break
+    return snapped(fit, problem, scaling, p), fit
+
+
+def _without_offset(network: Network) -> Network:
+    """The same network with the offset of the positions folded into the hidden biases."""
+    bias = network.hidden_bias - network.hidden_weights @ (network.q_offset_m * network.q_scale_per_m)
+    return replace(network, hidden_bias=bias, q_offset_m=np.zeros_like(network.q_offset_m))

@@ -1,0 +1,117 @@
+"""The held-out samples of `gravcomp loop` through the VHDL, with the weights from before the loop and from after.
+
+`make loop` runs it between `gravcomp loop` and `gravcomp loop-report`; LOOP names the folder of the loop.
+"""
+
+import os
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from types import SimpleNamespace
+
+import cocotb
+import numpy as np
+import pytest
+
+from codes import ROOT, fixed_network, pack, unpack
+from gravcomp.measured.loop import (
+    RUNS,
+    SAMPLES,
+    answer_file,
+    close_loop,
+    error_table,
+    generated_folder,
+    weights_folder,
+)
+from gravcomp.measured.measurement import Measurement
+from gravcomp.measured.model import Model
+from gravcomp.network import bittrue
+from gravcomp.network.compensation import compensator, quantise_compensation
+from gravcomp.network.compensation_csv import load_compensation
+from gravcomp.network.quantise import COUNT_BITS, FORCE_BITS
+from gravcomp.network.training import workspace_set
+from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.statics import holding_forces_at
+from runner import simulate
+from stream import start, stream
+
+LOOP = Path(os.environ.get("LOOP", ROOT / "build" / "loop")).resolve()
+LANES, CORE_LATENCY = 4, 23
+
+
+@cocotb.test()
+async def held_out_samples(dut):
+    """Every force equals the bit-true model; they are left for the report."""
+    folder, run = Path(os.environ["LOOP"]), os.environ["RUN"]
+    with np.load(folder / SAMPLES) as stimulus:
+        counts, periods = stimulus["count"], stimulus["period"]
+    fixed = fixed_network()
+    n = fixed.n_axes
+    await start(dut)
+    inputs = [{"in_count": pack(c, COUNT_BITS), "in_period": pack(p, 32)} for c, p in zip(counts, periods, strict=True)]
+    got = await stream(dut, inputs, ["out_force"])
+    force_mn = unpack(got.outputs["out_force"], FORCE_BITS, n)
+    constants = load_compensation(os.environ["WEIGHTS"], n)
+    tables = quantise_compensation(constants, load_parameters(), os.environ["WEIGHTS"])
+    network_mn = bittrue.core(counts, fixed).force_mn
+    np.testing.assert_array_equal(force_mn, compensator(network_mn, counts, periods, tables)[0])
+    np.save(answer_file(folder, run), force_mn)
+
+
+def simulate_loop(folder: Path, run: str) -> None:
+    simulate(
+        "gc_force_bench",
+        "test_rtl_loop",
+        generics={"lanes_g": LANES, "latency_g": CORE_LATENCY},
+        label=f"{folder.name}_{run}",
+        generated=generated_folder(folder, run),
+        environment={"WEIGHTS": str(weights_folder(folder, run)), "LOOP": str(folder), "RUN": run},
+        extra_sources=(ROOT / "tb" / "hdl" / "gc_force_bench.vhd",),
+    )
+
+
+@pytest.mark.skipif(not (LOOP / SAMPLES).exists(), reason=f"{LOOP} holds no samples; `make loop` writes them")
+@pytest.mark.parametrize("run", RUNS)
+def test_loop_runs_its_held_out_samples_in_the_rtl(run):
+    simulate_loop(LOOP, run)
+
+
+def found_in(data: Measurement, effects: Model, noise_n: np.ndarray) -> SimpleNamespace:
+    """What a diagnosis returns that found exactly these effects."""
+    entries = [SimpleNamespace(name=name, parameters=params) for name, params in effects.effects]
+    before = effects.predict(data) + noise_n
+    return SimpleNamespace(
+        data=replace(data, force=data.nominal + before),
+        is_test=np.arange(len(before)) % 2 == 0,
+        before=before,
+        after=noise_n,
+        noise_floor=float(noise_n.std()),
+        fit=SimpleNamespace(effects=entries, corrections=[]),
+    )
+
+
+@pytest.mark.slow
+def test_loop_brings_found_effects_into_the_rtl(tmp_path):
+    """Payload into the network, friction into the compensator: the RTL's error falls to noise and quantisation."""
+    p, rng = load_parameters(), np.random.default_rng(8)
+    pose = workspace_set(160, p, 3)
+    v = rng.uniform(5e-4, 1e-2, pose.q_m.shape) * rng.choice([-1, 1], pose.q_m.shape)
+    at = partial(holding_forces_at, p=p)
+    t_s = np.arange(len(v), dtype=float)
+    data = Measurement("test", t_s, pose.q_m, v, pose.f_n, pose.f_n, "N", ("m",) * 3, force_at=at, robot=p)
+    effects = [
+        ("payload", {"moment_x": 0.1, "moment_y": -0.05, "moment_z": 0.08}),
+        ("coulomb_friction", {"fc_1": 1.5, "fc_2": 2.0, "fc_3": 1.0}),
+    ]
+    found = found_in(data, Model(effects=effects), 0.1 * rng.standard_normal(v.shape))
+    closed = close_loop(found, ROOT / "weights" / "spheiro", tmp_path, p, 0)
+    assert (closed.placement.in_network, closed.placement.in_compensator) == (["payload"], ["coulomb_friction"])
+    for run in RUNS:
+        simulate_loop(tmp_path, run)
+    table = error_table(tmp_path)
+    rms_n = {name: [runs[run]["rms_n"] for run in RUNS] for name, runs in table.items()}
+    print(f"MEASURED {rms_n}")
+    assert all(before > 1.5 for before, _ in rms_n.values())
+    assert rms_n["analytic model"][1] < 0.11
+    assert rms_n["network"][1] < 0.18
+    assert rms_n["RTL"][1] == pytest.approx(rms_n["network"][1], abs=0.01)
