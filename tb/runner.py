@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 RTL = ROOT / "rtl"
 GENERATED = RTL / "generated"
 BUILD = ROOT / "build"
+BENCHES = ROOT / "tb" / "hdl"
 
 
 def rtl_sources(generated: Path = GENERATED) -> list[Path]:

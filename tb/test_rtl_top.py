@@ -14,12 +14,12 @@ import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
-from codes import ROOT, fixed_network, pack, unpack
+from codes import fixed_network, pack, unpack
 from gravcomp.network import bittrue
 from gravcomp.network.quantise import COUNT_BITS, CURRENT_BITS, FORCE_BITS
 from gravcomp.proof.poses import motion, pose_sets
 from gravcomp.robot.parameters import load_parameters
-from runner import BUILD, simulate
+from runner import BENCHES, BUILD, simulate
 
 RESULTS = BUILD / "sim"
 CLOCKS_PER_EDGE = 4
@@ -147,7 +147,7 @@ def simulate_top(cocotb_test: str, **options) -> None:
         "test_rtl_top",
         tests=f"{cocotb_test}$",
         label=options.pop("label", cocotb_test),
-        extra_sources=tuple(ROOT / "tb" / "hdl" / f"{name}.vhd" for name in ("gc_encoder_model", "gc_top_bench")),
+        extra_sources=tuple(BENCHES / f"{name}.vhd" for name in ("gc_encoder_model", "gc_top_bench")),
         **options,
     )
 
