@@ -61,9 +61,14 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
     pool, untestable = _terms(data, rows)
     chosen, evidence, members, noise = _search(data, before, rows, pool, tick)
     tick("fit")
-    fit = fit_terms(data, before, train, chosen, noise)
-    after = before - fit.predict(data)
-    fit, after = _withdraw(data, before, train, fit, after, noise)
+    if evidence.is_physics_whole:
+        fit = fit_terms(data, before, train, [term for term in chosen if term.is_physical], noise)
+        after = before - fit.predict(data)
+        fit.corrections += fit_terms(data, after, train, [t for t in chosen if not t.is_physical], noise).corrections
+        after = before - fit.predict(data)
+    else:
+        fit = fit_terms(data, before, train, chosen, noise)
+        after = before - fit.predict(data)
     left = leftover.find(data, after, rows, blocks, noise, seed)
     tick("report")
     physical = {entry.name for entry in fit.effects}
@@ -145,7 +150,7 @@ def _is_periodic(term: Term) -> bool:
     return isinstance(term.source, Cogging) or (not term.is_physical and term.source.kind == "wave")
 
 
-def _periodic_terms(data, rows, residual, _unexplained) -> list[tuple[Term, list]]:
+def _periodic_terms(data, rows, residual, unexplained) -> list[tuple[Term, list]]:
     out = []
     scaled = residual / np.maximum(residual.std(axis=0), 1e-300)
     span = np.ptp(data.q[rows], axis=0).max()
@@ -157,6 +162,8 @@ def _periodic_terms(data, rows, residual, _unexplained) -> list[tuple[Term, list
     for pitch, harmonics in sorted(p for p in proposals if p):
         out.append(_effect_term(data, rows, Cogging(), {"pitch": pitch, "harmonics": harmonics}))
     for i in range(data.n_axes):
+        when = scan.step_in(data.t_s[rows], unexplained[:, i])
+        out.append(_correction_term(data, rows, Correction(i, "step", ("t",), (when,))))
         for frequency, _ in scan.find_lines(data.t_s[rows], scaled[:, [i]], 2):
             out.append(_correction_term(data, rows, Correction(i, "wave", ("t",), (frequency,))))
     return out
@@ -174,23 +181,6 @@ def _correlation_length(residual: np.ndarray) -> np.ndarray:
                 break
             out[i] += 2.0 * rho
     return out
-
-
-def _withdraw(data, before, train, fit: Fit, after, noise):
-    """Take back a name that a correction over the same variables makes small: its shape was not the effect's."""
-    if not fit.corrections or not fit.effects:
-        return fit, after
-    gain = np.sum(before[train] ** 2) - np.sum(after[train] ** 2)
-    corrected = sum(np.sum(c.force(data)[train] ** 2) for c in fit.corrections)
-    kept = []
-    for entry in fit.effects:
-        own = np.sum(entry.force(data)[train] ** 2)
-        if own >= 0.15 * gain and own > 0.5 * corrected:
-            kept.append(entry.term)
-    if len(kept) == len(fit.effects):
-        return fit, after
-    fit = fit_terms(data, before, train, kept + [c.term for c in fit.corrections], noise)
-    return fit, before - fit.predict(data)
 
 
 def _identities(fit: Fit) -> list[list[str]]:

@@ -19,7 +19,8 @@ class Correction:
     """What the residual of one axis follows: ``variables`` for people, ``shape`` for the computation.
 
     kind "table": hat functions over knots of one variable, times the axis' direction if ``by_direction``;
-    "wave": sin and cos of a frequency in time, Hz; "surface": polynomial of all positions.
+    "line" and "product": one or two variables as they are; "wave": sin and cos of a frequency in time, Hz; "step": another
+    level from a time on; "surface": polynomial of all positions.
     """
 
     axis: int
@@ -37,6 +38,8 @@ class Correction:
         if self.kind == "wave":
             angle = 2.0 * np.pi * self.shape[0] * (data.t_s - data.t_s[0])
             return np.column_stack([np.sin(angle), np.cos(angle)])
+        if self.kind == "step":
+            return np.column_stack([data.t_s > self.shape[0], np.ones(len(data.t_s))]).astype(float)
         if self.kind == "surface":
             half = np.asarray(self.shape).reshape(2, -1)
             return PolynomialFeatures(_SURFACE_DEGREE).fit_transform((data.q - half[0]) / half[1])

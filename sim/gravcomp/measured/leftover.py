@@ -1,22 +1,23 @@
 """What is left after the fit: does it follow any measured variable, and which?"""
 
 import numpy as np
-from sklearn.ensemble import HistGradientBoostingRegressor
+from sklearn.ensemble import ExtraTreesRegressor
 from sklearn.inspection import permutation_importance
 from sklearn.model_selection import GroupKFold
 
 from gravcomp.measured.empirical import variable, variable_names
 
 _MIN_SAMPLES = 400
-_MAX_SAMPLES = 4000
+_MAX_SAMPLES = 2500
 _MIN_R2 = 0.05
+_MIN_SHARE = 0.003
 _FOLDS = 4
 
 
 def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     """Drivers of structure that neither effects nor corrections took: axis, variable, share of what is left.
 
-    Gradient boosting over all variables, cross-validated by blocks; it counts when it predicts more than 5 % of the
+    Random trees over all variables, cross-validated by blocks; it counts when it predicts more than 5 % of the
     variance in every second fold at least and its mean gain is four standard errors above zero.
     """
     if len(rows) < _MIN_SAMPLES:
@@ -29,8 +30,7 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
         y = np.clip(after[rows, axis], -4 * noise[axis], 4 * noise[axis])
         gains, importance = [], np.zeros(len(names))
         for train, test in GroupKFold(_FOLDS).split(x, y, blocks[rows]):
-            model = HistGradientBoostingRegressor(max_iter=60, max_leaf_nodes=12, min_samples_leaf=20,
-                                                  learning_rate=0.1, random_state=seed).fit(x[train], y[train])  # fmt: skip
+            model = ExtraTreesRegressor(40, min_samples_leaf=10, random_state=seed).fit(x[train], y[train])
             gains.append(1.0 - np.mean((y[test] - model.predict(x[test])) ** 2) / np.var(y[test]))
             if np.mean(gains) > 0:
                 importance += permutation_importance(model, x[test], y[test], n_repeats=1, random_state=seed).importances_mean
@@ -50,7 +50,7 @@ def drivers(d) -> list[dict]:
     out += [{**item, "share": item["share"] * scale} for item in d.left]
     for entry in d.fit.effects:
         out += _of_effect(d, entry)
-    return out
+    return [item for item in out if item["share"] >= _MIN_SHARE]
 
 
 def _ordered(d, entry) -> list[str]:

@@ -1,9 +1,11 @@
 """Periodogram of a residual over position or time: finds pitches, harmonics and frequencies without being told."""
 
 import numpy as np
+from numpy.polynomial.legendre import legfit, legval
 
 _GRID = 8192
-_MIN_CYCLES = 2.0
+_MIN_CYCLES = 3.0
+_TREND_DEGREE = 6
 _MAX_CYCLES = 300
 _MAX_LINES = 14
 _MAX_HARMONIC = 30
@@ -31,7 +33,7 @@ def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = _MAX_LINES) -> lis
     n = len(r)
     limit = min(_MAX_CYCLES, n / 3)
     x = np.broadcast_to(np.atleast_2d(x.T).T, r.shape)
-    rest, lines = r - r.mean(axis=0), []
+    rest, lines = _without_trend(x, r), []
     for _ in range(max_lines):
         f, power = spectrum(x, rest, limit)
         if not len(f):
@@ -44,6 +46,25 @@ def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = _MAX_LINES) -> lis
         lines.append((frequency, float(power[best])))
         rest = rest - _wave(x, rest, frequency)
     return lines
+
+
+def _without_trend(x, r):
+    """r less a polynomial of x: what is smooth over the whole range is not a ripple."""
+    out = np.empty_like(r)
+    for k in range(r.shape[1]):
+        centred = (x[:, k] - x[:, k].mean()) / max(np.ptp(x[:, k]) / 2, 1e-300)
+        out[:, k] = r[:, k] - legval(centred, legfit(centred, r[:, k], _TREND_DEGREE))
+    return out
+
+
+def step_in(t: np.ndarray, r: np.ndarray) -> float:
+    """The time at which r (n,) most clearly changes its level."""
+    total = np.cumsum(r - r.mean())
+    edge = max(len(r) // 20, 1)
+    left = np.arange(1, len(r) + 1)
+    gain = total**2 / (left * np.maximum(len(r) - left, 1))
+    k = edge + int(gain[edge:-edge].argmax())
+    return float(0.5 * (t[k] + t[min(k + 1, len(t) - 1)]))
 
 
 def _wave(x, r, frequency):

@@ -19,6 +19,10 @@ SCAN_PRICE = 14.0  # 2 log of the number of frequencies scanned
 TOLERANCE = 9.0  # sets this close in score cannot be told apart
 _NEGATIVE_Z = 3.0
 _MAX_TERMS = 14
+_CANCELLATION = 3.0
+_TRIFLE = 0.005
+_BESIDE_CORRECTION = 0.1
+_MISSED = 0.005  # of the variance that can be explained
 _IMPOSSIBLE = 1e12
 
 
@@ -75,6 +79,7 @@ class Evidence:
             scale[index] += np.einsum("nk,nk->k", xw, x) / variance[i]
         self.scale = 1.0 / np.sqrt(np.maximum(scale, 1e-300))
         self.floor = 1e-12 * np.maximum(self.energy, 1e-300) / independent
+        self.is_physics_whole = False
         self._cache: dict[frozenset, float] = {}
 
     def solve(self, members) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
@@ -101,9 +106,23 @@ class Evidence:
             if self._is_impossible(members, index, theta, covariance):
                 return _IMPOSSIBLE
             fitted = np.einsum("iab,a,b->i", self.gram[:, index[:, None], index], theta, theta)
+            if self._cancels(members, index, theta, fitted.sum()):
+                return _IMPOSSIBLE
             rss = np.maximum(self.energy - 2.0 * self.cross[:, index] @ theta + fitted, 0.0)
         likelihood = np.sum(self.m * np.log(np.maximum(rss / self.m, self.floor)))
         return float(likelihood + rank * np.log(self.m.sum()) + sum(self.terms[k].price for k in members))
+
+    def _cancels(self, members, index, theta, total) -> bool:
+        """Effects that are large only to cancel one another imitate something else."""
+        physical = [k for k in members if self.terms[k].is_physical]
+        if len(physical) < 2:
+            return False
+        value = dict(zip(index, theta, strict=True))
+        single = 0.0
+        for k in physical:
+            own = np.array([value[c] for c in self.place[k]])
+            single += np.einsum("iab,a,b->", self.gram[:, self.place[k][:, None], self.place[k]], own, own)
+        return single > _CANCELLATION * total
 
     def _is_impossible(self, members, index, theta, covariance) -> bool:
         """A coefficient that physics makes positive is clearly negative."""
@@ -120,13 +139,60 @@ class Evidence:
         return False
 
     def pick(self) -> frozenset:
-        """The best set: a beam over effects alone, then additions, removals and exchanges with corrections too."""
+        """The best set. Physics that misses next to nothing of what can be explained at all stays whole, and corrections
+        may only come on top of it; otherwise effects and corrections compete freely.
+        """
         physical = [k for k, term in enumerate(self.terms) if term.is_physical]
-        starts = [frozenset(), *self._beam(physical)]
-        best = min((self._climb(start) for start in starts), key=self.score)
-        return self._exchange(best)
+        everything = range(len(self.terms))
+        effects = self._exchange(self._beam(physical), physical)
+        effects = self._substantial(self._simplest(effects), _TRIFLE)
+        starts = {frozenset(), effects}
+        free = min((self._climb(start, everything) for start in starts), key=self.score)
+        free = self._exchange(free, everything)
+        missed, explained = self._left(effects) - self._left(free), self._left(frozenset()) - self._left(free)
+        self.is_physics_whole = bool(effects) and missed < _MISSED * explained
+        if self.is_physics_whole:
+            return self._climb(effects, everything, locked=effects)
+        if any(not self.terms[k].is_physical for k in free):
+            free = self._substantial(free, _BESIDE_CORRECTION)
+            free = self._climb(free, [k for k in everything if not self.terms[k].is_physical], locked=free)
+        return free
 
-    def _beam(self, allowed, width: int = 4, depth: int = 4) -> list[frozenset]:
+    def _simplest(self, members: frozenset) -> frozenset:
+        """Use the special case of an effect (Coulomb for Stribeck) where the general one gains next to nothing."""
+        for k in sorted(members):
+            special, rest = self.terms[k].source.special_case, members - {k}
+            options = [j for j, term in enumerate(self.terms) if special and term.name == special and self._fits(rest, j)]
+            if not options:
+                continue
+            best = rest | {min(options, key=lambda j: self.score(rest | {j}))}
+            gain = self._left(best) - self._left(members)
+            if gain < _TRIFLE * (self._left(frozenset()) - self._left(members)) and self.score(best) < _IMPOSSIBLE:
+                members = best
+        return members
+
+    def _substantial(self, members: frozenset, least: float) -> frozenset:
+        """Drop effects, the weakest first, that alone account for less than a part of what the set explains."""
+        while physical := [k for k in members if self.terms[k].is_physical]:
+            if len(members) == 1:
+                break
+            explained = self._left(frozenset()) - self._left(members)
+            lost = {k: self._left(members - {k}) - self._left(members) for k in physical}
+            weakest = min(lost, key=lost.get)
+            if lost[weakest] >= least * explained:
+                break
+            members = members - {weakest}
+        return members
+
+    def _left(self, members) -> float:
+        """Residual sum of squares over the axes."""
+        if not members:
+            return float(self.energy.sum())
+        index, theta, _, _ = self.solve(members)
+        fitted = np.einsum("iab,a,b->i", self.gram[:, index[:, None], index], theta, theta)
+        return float((self.energy - 2.0 * self.cross[:, index] @ theta + fitted).sum())
+
+    def _beam(self, allowed, width: int = 4, depth: int = 4) -> frozenset:
         beam, best = [frozenset()], frozenset()
         for _ in range(depth):
             longer = {members | {k} for members in beam for k in allowed if self._fits(members, k)}
@@ -134,32 +200,33 @@ class Evidence:
             if not beam or self.score(beam[0]) >= self.score(best):
                 break
             best = beam[0]
-        return [best] if best else []
+        return best
 
     def _fits(self, members, k) -> bool:
         name = self.terms[k].name
         return all(self.terms[j].name != name for j in members)
 
-    def _climb(self, members: frozenset) -> frozenset:
+    def _climb(self, members: frozenset, allowed, locked: frozenset = frozenset()) -> frozenset:
         while True:
-            moves = [members - {k} for k in members]
+            moves = [members - {k} for k in members - locked]
             if len(members) < _MAX_TERMS:
-                moves += [members | {k} for k in range(len(self.terms)) if self._fits(members, k)]
+                moves += [members | {k} for k in allowed if self._fits(members, k)
+                          and not (locked and self.terms[k].is_physical)]  # fmt: skip
             best = min(moves, key=self.score, default=members)
             if self.score(best) >= self.score(members):
                 return members
             members = best
 
-    def _exchange(self, members: frozenset) -> frozenset:
+    def _exchange(self, members: frozenset, allowed) -> frozenset:
         while True:
             moves = []
             for j in members:
                 rest = members - {j}
-                moves += [rest | {k} for k in range(len(self.terms)) if k != j and self._fits(rest, k)]
+                moves += [rest | {k} for k in allowed if k != j and self._fits(rest, k)]
             best = min(moves, key=self.score, default=members)
             if self.score(best) >= self.score(members):
                 return members
-            members = self._climb(best)
+            members = self._climb(best, allowed)
 
     def prune(self, members: frozenset) -> frozenset:
         """Drop the axes (harmonics) of an effect that the data does not support; the effect keeps one at least."""
@@ -183,6 +250,8 @@ class Evidence:
 
     def alternatives(self, members: frozenset) -> list[list[str]]:
         """Sets of effect names that the data cannot tell apart, each with the named effect first."""
+        if self.is_physics_whole:
+            members = frozenset(k for k in members if self.terms[k].is_physical)
         own = self.score(members)
         physical = [k for k, term in enumerate(self.terms) if term.is_physical]
         found: dict[str, list[str]] = {}

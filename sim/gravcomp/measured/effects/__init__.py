@@ -17,12 +17,13 @@ from gravcomp.measured.effects.presliding_hysteresis import PreslidingHysteresis
 from gravcomp.measured.effects.stribeck_friction import StribeckFriction
 from gravcomp.measured.effects.thermal_drift import ThermalDrift
 from gravcomp.measured.effects.thrust_constant import ThrustConstant
-from gravcomp.measured.effects.viscous_friction import ViscousFriction
+from gravcomp.measured.effects.viscous_friction import DirectionalViscousFriction, ViscousFriction
 
 EFFECTS = (
     CoulombFriction,
     DirectionalCoulombFriction,
     ViscousFriction,
+    DirectionalViscousFriction,
     StribeckFriction,
     PassiveJointFriction,
     LoadDependentFriction,

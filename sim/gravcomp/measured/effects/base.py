@@ -22,6 +22,7 @@ class Effect:
     units: dict[str, str] = {}  # noqa: RUF012 - parameter stem -> unit, with [q] and [f] for position and effort
     per_axis = True
     positive: tuple[str, ...] = ()  # stems of labels whose coefficients can only be >= 0
+    special_case = ""  # the effect that this one contains
     complexity = 0.0  # added to the information criterion: of two equal explanations the usual one is named
 
     def unavailable(self, data: Measurement) -> str:

@@ -20,11 +20,11 @@ class CoulombFriction(Effect):
         return by_axis(data, "fc", data.direction)
 
     def predict(self, data, parameters):
-        force = super().predict(data, parameters)
+        force = np.zeros(data.shape)
         for i in range(data.n_axes):
             s = data.direction[:, i]
             up, down = parameters.get(f"fc_pos_{i + 1}", 0.0), parameters.get(f"fc_neg_{i + 1}", 0.0)
-            force[:, i] += np.where(s > 0, up, np.where(s < 0, -down, 0.0))
+            force[:, i] = parameters.get(f"fc_{i + 1}", 0.0) * s + np.where(s > 0, up, np.where(s < 0, -down, 0.0))
         return force
 
 

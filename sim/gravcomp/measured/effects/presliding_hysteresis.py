@@ -13,6 +13,7 @@ class PreslidingHysteresis(Effect):
     hardware = "none"
     units = {"fc": "[f]", "s": "[q]"}  # noqa: RUF012
     positive = ("fc",)
+    special_case = "coulomb_friction"
     complexity = 4.0
 
     def unavailable(self, data):

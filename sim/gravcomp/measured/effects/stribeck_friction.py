@@ -13,6 +13,7 @@ class StribeckFriction(Effect):
     hardware = "compensator"
     units = {"fc": "[f]", "fs": "[f]", "vs": "[q]/s"}  # noqa: RUF012
     positive = ("fc", "fs")
+    special_case = "coulomb_friction"
     complexity = 4.0
 
     unavailable = staticmethod(needs_velocity)

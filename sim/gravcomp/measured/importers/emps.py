@@ -1,7 +1,8 @@
 """EMPS: one prismatic axis, DC motor and ball screw (Janot, Gautier, Brunot, 2019, nonlinearbenchmark.org).
 
 Force = gtau vir. Position and force pass the same zero-phase Butterworth low-pass (4th order, run both ways); velocity
-and acceleration are central differences of the filtered position; then every 10th sample is kept. The model is the
+and acceleration are central differences of the filtered position; then the first and last 50 ms are cut
+and every 5th sample is kept. The model is the
 rigid one, f_model = M a with M = 95.1 kg.
 """
 
@@ -14,8 +15,9 @@ from scipy.signal import butter, filtfilt
 from gravcomp.errors import InputError
 
 MASS_KG = 95.1
-CUTOFF_HZ = 20.0
-DECIMATION = 10
+CUTOFF_HZ = 50.0
+DECIMATION = 5
+TRIM_S = 0.05  # at both ends, where the filter has nothing beyond
 
 
 def emps_csv(path: Path | str) -> str:
@@ -31,7 +33,9 @@ def emps_csv(path: Path | str) -> str:
     q, force = (filtfilt(*low_pass, signal) for signal in (position, gain * control))
     v = np.gradient(q, step)
     a = np.gradient(v, step)
-    rows = np.column_stack([t, q, v, force, MASS_KG * a])[::DECIMATION]
+    rows = np.column_stack([t, q, v, force, MASS_KG * a])
+    edge = round(TRIM_S / step)
+    rows = rows[edge:-edge:DECIMATION]
     head = (
         f"# EMPS, force = gtau vir; zero-phase Butterworth low-pass {CUTOFF_HZ:g} Hz, every {DECIMATION}th sample\n"
         f"# fm1_n = {MASS_KG} kg times the acceleration of the filtered position\n"
