@@ -32,7 +32,7 @@ from gravcomp.robot.statics import holding_forces
 from gravcomp.robot.workspace import pose
 
 P = load_parameters()
-SHORT = Effort(draws=2, hops=2, search_poses=100)
+SHORT = Effort(draws=2, tied_hops=2, hops=2, search_poses=100)
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
 
 def add_arguments(parser):
     parser.add_argument("--hidden", type=int, default=20, help="hidden neurons (default %(default)s)")
-    parser.add_argument("--starts", type=int, default=8, help="independent searches (default %(default)s)")
+    parser.add_argument("--starts", type=int, default=4, help="searches per round (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of poses and starts (default %(default)s)")
     parser.add_argument("--poses", type=int, default=3500, help="training poses (default %(default)s)")
     parser.add_argument("--out", type=Path, default=Path("weights/spheiro"), help="folder (default %(default)s)")

@@ -1,7 +1,8 @@
-"""Training of a network on the robot's statics: data, search, polish, weights on the hardware's grid.
+"""Training: from the robot's statics to a network: data, search, polish, weights on the hardware's grid.
 
-Each start is independent and seeded: short symmetric runs, then hops on part of the poses. The best start is polished
-on all poses; its weights are snapped to the 18-bit codes of the hardware and the output layer is solved again.
+Two rounds of independent, seeded searches on part of the poses: random starts with weights tied by the robot's
+symmetry, then hops from the best of them with all weights free. The best is polished on all poses; its weights are
+snapped to the 18-bit codes of the hardware and the output layer is solved again.
 """
 
 import hashlib
@@ -47,14 +48,14 @@ class TrainingSet:
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard one start searches: random draws, hops with tied weights, hops with all weights free.
+    """How hard one start searches: draws and tied hops in the first round, free hops in the second.
 
     All on the first search_poses poses. Without symmetry nothing is tied and both kinds of hops are the same.
     """
 
-    draws: int = 40
+    draws: int = 60
     tied_hops: int = 60
-    hops: int = 250
+    hops: int = 200
     search_poses: int = 600
 
 
@@ -73,13 +74,13 @@ def train(
     p: RobotParameters,
     *,
     n_hidden: int = 20,
-    n_starts: int = 8,
+    n_starts: int = 4,
     seed: int = 1,
     activation: str = "gamma",
     backend: str = "loky",
     effort: Effort,
 ) -> tuple[Network, Fit]:
-    """The best network of n_starts searches, on the hardware's grid, and its fit in normalised units.
+    """The best network of n_starts searches per round, on the hardware's grid, and its fit in normalised units.
 
     Chosen by training error alone. Raises InputError for sizes below 1, too few poses, or a backend that is absent.
     """
@@ -87,24 +88,30 @@ def train(
     scaling = workspace_scaling(p)
     x, y = scaling.x(data.q_m), scaling.y(data.f_n)
     symmetric = is_cyclic(p)
-    seeds = np.random.SeedSequence(seed).spawn(n_starts)
-    arguments = [(x, y, n_hidden, activation, symmetric, effort, s) for s in seeds]
-    starts = run_parallel(search_start, arguments, backend, f"training, {n_hidden} neurons")
-    best = min(starts, key=lambda fit: fit.cost)
+    seeds = np.random.SeedSequence(seed).spawn(2 * n_starts)
+    common = (x[: effort.search_poses], y[: effort.search_poses], n_hidden, activation, symmetric, effort)
+    first = run_parallel(draw_start, [(*common, s) for s in seeds[:n_starts]], backend, f"{n_hidden} neurons, starts")
+    best = min(first, key=lambda fit: fit.cost)
+    second = run_parallel(hop_on, [(*common, best, s) for s in seeds[n_starts:]], backend, f"{n_hidden} neurons, hops")
+    best = min(second, key=lambda fit: fit.cost)
     problem = _problem(x, y, n_hidden, activation, symmetric)
     with one_blas_thread():
         fit = levenberg_marquardt(problem, best.hidden, _POLISH)
     return snapped(fit, problem, scaling, p), fit
 
 
-def search_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, seed) -> Fit:
-    """One start: random draws (tied by the symmetry where there is one), then hops with all parameters free."""
+def draw_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, seed) -> Fit:
+    """First round: random draws, then hops, with weights tied by the symmetry where there is one."""
     rng = np.random.default_rng(seed)
-    x, y = x[: effort.search_poses], y[: effort.search_poses]
     tie = cyclic_tie(n_hidden, y.shape[1]) if symmetric else None
-    tied = Problem(x, y, n_hidden, ACTIVATIONS[activation], tie, RIDGE)
-    fit = basin_hopping(tied, best_of_draws(tied, effort.draws, rng), effort.tied_hops, rng)
-    return basin_hopping(_problem(x, y, n_hidden, activation, symmetric), fit, effort.hops, rng)
+    problem = Problem(x, y, n_hidden, ACTIVATIONS[activation], tie, RIDGE)
+    return basin_hopping(problem, best_of_draws(problem, effort.draws, rng), effort.tied_hops, rng)
+
+
+def hop_on(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, fit: Fit, seed) -> Fit:
+    """Second round: hops from the best of the first with all weights free."""
+    problem = _problem(x, y, n_hidden, activation, symmetric)
+    return basin_hopping(problem, fit, effort.hops, np.random.default_rng(seed))
 
 
 def snapped(fit: Fit, problem: Problem, scaling: Scaling, p: RobotParameters) -> Network:
