@@ -63,12 +63,15 @@ def _ordered(d, entry) -> list[str]:
 def _of_effect(d, entry) -> list[dict]:
     force = entry.force(d.data)[d.is_test]
     total = max(np.sum(d.before[d.is_test] ** 2), 1e-300)
-    out = []
-    for axis in np.flatnonzero(force.std(axis=0) > 1e-9 * (force.std() + 1e-300)):
-        best = max(variable_names(d.data), key=lambda name: _explained(variable(d.data, name)[d.is_test], force[:, axis]))
-        share = min(float(np.sum(force[:, axis] ** 2) / total), 1.0)
-        out.append({"axis": int(axis) + 1, "variable": best, "share": share})
-    return out
+    stem = entry.term.source.follows
+    if not stem:
+        return []
+    by_time = "temp" if d.data.temp_c is not None and np.ptp(d.data.temp_c) > 0 else "t"
+    return [
+        {"axis": int(axis) + 1, "variable": by_time if stem == "t" else f"{stem}{axis + 1}",
+         "share": min(float(np.sum(force[:, axis] ** 2) / total), 1.0)}
+        for axis in np.flatnonzero(np.any(force, axis=0))
+    ]  # fmt: skip
 
 
 def _explained(x: np.ndarray, y: np.ndarray, n_bins: int = 30) -> float:

@@ -43,6 +43,10 @@ class Term:
         return self.source.name if self.is_physical else self.source.label
 
     @property
+    def is_directional(self) -> bool:
+        return any("_pos_" in label for label in self.labels)
+
+    @property
     def price(self) -> float:
         if not self.is_physical:
             return EMPIRICAL_PRICE + (SCAN_PRICE if self.source.kind == "wave" else 0.0)
@@ -145,7 +149,7 @@ class Evidence:
         physical = [k for k, term in enumerate(self.terms) if term.is_physical]
         everything = range(len(self.terms))
         effects = self._exchange(self._beam(physical), physical)
-        effects = self._substantial(self._simplest(effects), _TRIFLE)
+        effects = self._by_direction(self._substantial(self._simplest(effects), _TRIFLE))
         starts = {frozenset(), effects}
         free = min((self._climb(start, everything) for start in starts), key=self.score)
         free = self._exchange(free, everything)
@@ -170,6 +174,16 @@ class Evidence:
             if gain < _TRIFLE * (self._left(frozenset()) - self._left(members)) and self.score(best) < _IMPOSSIBLE:
                 members = best
         return members
+
+    def _by_direction(self, members: frozenset) -> frozenset:
+        """Where one friction differs by direction, the Coulomb friction may too."""
+        named = {self.terms[k].name: k for k in members}
+        viscous, coulomb = named.get("viscous_friction"), named.get("coulomb_friction")
+        if viscous is None or coulomb is None or not self.terms[viscous].is_directional:
+            return members
+        rest = members - {coulomb}
+        both = [j for j, term in enumerate(self.terms) if term.name == "coulomb_friction" and term.is_directional]
+        return min((rest | {j} for j in both), key=self.score, default=members)
 
     def _substantial(self, members: frozenset, least: float) -> frozenset:
         """Drop effects, the weakest first, that alone account for less than a part of what the set explains."""

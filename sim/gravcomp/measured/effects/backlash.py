@@ -9,6 +9,7 @@ class Backlash(Effect):
     """f_model(q - gap/2 sign(v)) - f_model(q)."""
 
     name = "backlash"
+    follows = "dir"
     equation = "f_model(q - gap/2 sign(v)) - f_model(q)"
     hardware = "none"
     units = {"gap": "[q]"}  # noqa: RUF012

@@ -18,6 +18,7 @@ class Effect:
 
     name = ""
     equation = ""
+    follows = ""  # stem of the measured variable it is a function of: q, v, dir, f, a (each axis its own), or t
     hardware = "none"  # "network": retrained statics; "compensator": friction or position table; "none"
     units: dict[str, str] = {}  # noqa: RUF012 - parameter stem -> unit, with [q] and [f] for position and effort
     per_axis = True

@@ -14,6 +14,7 @@ class BaseTilt(Effect):
     """f_model with gravity turned by a small rotation tilt_a, tilt_b, rad, about two axes perpendicular to it."""
 
     name = "base_tilt"
+    follows = "q"
     equation = "f_model with gravity turned by a small rotation, less f_model"
     hardware = "network"
     units = {"tilt": "rad"}  # noqa: RUF012

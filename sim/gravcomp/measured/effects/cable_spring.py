@@ -9,6 +9,7 @@ class CableSpring(Effect):
     """k_i (q_i - q0_i)."""
 
     name = "cable_spring"
+    follows = "q"
     equation = "k_i (q_i - q0_i)"
     hardware = "network"
     units = {"k": "[f]/[q]", "q0": "[q]"}  # noqa: RUF012

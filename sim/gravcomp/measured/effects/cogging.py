@@ -9,6 +9,7 @@ class Cogging(Effect):
     """Sum over harmonics h of A_ih sin(2 pi h q_i/pitch + p_ih)."""
 
     name = "cogging"
+    follows = "q"
     equation = "sum over h of A_ih sin(2 pi h q_i/pitch + p_ih)"
     hardware = "compensator"
     units = {"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}  # noqa: RUF012

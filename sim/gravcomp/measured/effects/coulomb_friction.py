@@ -9,6 +9,7 @@ class CoulombFriction(Effect):
     """fc_i sign(v_i)."""
 
     name = "coulomb_friction"
+    follows = "dir"
     equation = "fc_i sign(v_i), or fc_pos_i for v_i > 0 and -fc_neg_i for v_i < 0"
     hardware = "compensator"
     units = {"fc": "[f]", "fc_pos": "[f]", "fc_neg": "[f]"}  # noqa: RUF012

@@ -9,9 +9,11 @@ class CurrentOffset(Effect):
     """o_i."""
 
     name = "current_offset"
+    follows = ""
     equation = "o_i"
     hardware = "network"
     units = {"o": "[f]"}  # noqa: RUF012
+    complexity = 0.5
 
     def columns(self, data, shape):
         return by_axis(data, "o", np.ones(data.shape))

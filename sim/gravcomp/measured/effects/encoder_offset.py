@@ -9,6 +9,7 @@ class EncoderOffset(Effect):
     """f_model(q + offset) - f_model(q)."""
 
     name = "encoder_offset"
+    follows = "q"
     equation = "f_model(q + offset) - f_model(q)"
     hardware = "network"
     units = {"offset": "[q]"}  # noqa: RUF012

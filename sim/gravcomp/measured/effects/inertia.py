@@ -7,6 +7,7 @@ class Inertia(Effect):
     """m_i a_i, a from the data."""
 
     name = "inertia"
+    follows = "a"
     equation = "m_i a_i"
     hardware = "none"
     units = {"m": "[f] s^2/[q]"}  # noqa: RUF012

@@ -9,6 +9,7 @@ class LinkCompliance(Effect):
     """f_model(q + C f_model) - f_model(q), C diagonal."""
 
     name = "link_compliance"
+    follows = "f"
     equation = "f_model(q + C f) - f_model(q)"
     hardware = "network"
     units = {"c": "[q]/[f]"}  # noqa: RUF012

@@ -9,6 +9,7 @@ class LoadDependentFriction(Effect):
     """mu_i |f_model_i| sign(v_i)."""
 
     name = "load_dependent_friction"
+    follows = "dir"
     equation = "mu_i abs(f_model_i) sign(v_i)"
     hardware = "compensator"
     units = {"mu": "1"}  # noqa: RUF012

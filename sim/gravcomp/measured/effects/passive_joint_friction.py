@@ -9,6 +9,7 @@ class PassiveJointFriction(Effect):
     """J_p^T (fc sign(v_p)), v_p = J_p v over the prismatic joints b_i and the rotary joints phi_i."""
 
     name = "passive_joint_friction"
+    follows = "dir"
     equation = "J_p^T (fc sign(v_p)), v_p = J_p v"
     hardware = "none"
     units = {"fc_prismatic": "N", "fc_rotary": "Nm"}  # noqa: RUF012

@@ -12,6 +12,7 @@ class Payload(Effect):
     """Gravity of an extra first moment m r, in the platform frame; on one rotary axis g m r in two directions."""
 
     name = "payload"
+    follows = "q"
     equation = "gravity of an extra first moment m r on the platform"
     hardware = "network"
     units = {"moment": "kg m", "torque": "[f]"}  # noqa: RUF012

@@ -9,6 +9,7 @@ class PreslidingHysteresis(Effect):
     """fc_i z_i with dz = (sign(dq) - z) |dq|/s_i: z goes to the sign of the motion over the travel s_i."""
 
     name = "presliding_hysteresis"
+    follows = "dir"
     equation = "fc_i z_i, dz_i = (sign(dq_i) - z_i) abs(dq_i)/s_i"
     hardware = "none"
     units = {"fc": "[f]", "s": "[q]"}  # noqa: RUF012

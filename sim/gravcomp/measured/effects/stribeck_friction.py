@@ -9,6 +9,7 @@ class StribeckFriction(Effect):
     """(fc_i + (fs_i - fc_i) exp(-(v_i/vs_i)^2)) sign(v_i), 0 <= fc_i <= fs_i."""
 
     name = "stribeck_friction"
+    follows = "v"
     equation = "(fc_i + (fs_i - fc_i) exp(-(v_i/vs_i)^2)) sign(v_i)"
     hardware = "compensator"
     units = {"fc": "[f]", "fs": "[f]", "vs": "[q]/s"}  # noqa: RUF012

@@ -9,6 +9,7 @@ class ThermalDrift(Effect):
     """gain_i (1 - exp(-t/tau)) f_model_i, or gain_i (T - T0_i) f_model_i."""
 
     name = "thermal_drift"
+    follows = "t"
     equation = "gain (1 - exp(-t/tau)) f_model, or gain (T - T0) f_model"
     hardware = "none"
     units = {"gain": "1 or 1/K", "tau": "s", "t0": "degC"}  # noqa: RUF012

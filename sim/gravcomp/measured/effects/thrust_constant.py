@@ -9,6 +9,7 @@ class ThrustConstant(Effect):
     """gain_i f_model_i."""
 
     name = "thrust_constant"
+    follows = "f"
     equation = "gain_i f_model_i"
     hardware = "network"
     units = {"gain": "1"}  # noqa: RUF012

@@ -9,6 +9,7 @@ class ViscousFriction(Effect):
     """b_i v_i."""
 
     name = "viscous_friction"
+    follows = "v"
     equation = "b_i v_i, or b_pos_i v_i for v_i > 0 and b_neg_i v_i for v_i < 0"
     hardware = "compensator"
     units = {"b": "[f] s/[q]", "b_pos": "[f] s/[q]", "b_neg": "[f] s/[q]"}  # noqa: RUF012
