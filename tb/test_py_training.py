@@ -3,6 +3,7 @@
 import json
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from gravcomp.network.scaling import workspace_scaling
 from gravcomp.network.search import WEIGHT_LIMIT, basin_hopping, best_of_draws, random_hidden
 from gravcomp.network.symmetry import cyclic_images, cyclic_tie, is_cyclic
 from gravcomp.network.training import (
+    N_TEST_POSES,
     RIDGE,
     Effort,
     as_network,
@@ -32,6 +34,7 @@ from gravcomp.robot.statics import holding_forces
 from gravcomp.robot.workspace import pose
 
 P = load_parameters()
+SHIPPED = Path(__file__).resolve().parents[1] / "weights" / "spheiro"
 SHORT = Effort(draws=2, tied_hops=2, hops=2, search_poses=100)
 
 
@@ -136,6 +139,20 @@ def test_command_writes_a_folder_that_loads_with_its_provenance(tmp_path, monkey
     figures = evaluate(network, workspace_set(60, P, 5), workspace_set(8000, P, 6))
     assert provenance["metrics"] == pytest.approx(figures, rel=1e-12)
     assert "seed 5" in capsys.readouterr().out
+
+
+def test_shipped_weights_reach_their_figures_and_the_hardware_formats():
+    network = load_network(SHIPPED)
+    provenance = json.loads((SHIPPED / "provenance.json").read_text())
+    data = workspace_set(provenance["data"]["poses"], P, provenance["data"]["seed"])
+    unseen = workspace_set(N_TEST_POSES, P, provenance["data"]["test_seed"])
+    figures = evaluate(network, data, unseen)
+    assert data.hash() == provenance["data"]["sha256"]
+    assert figures == pytest.approx(provenance["metrics"], rel=1e-9)
+    assert figures["test_mse_n2"] <= 0.0075
+    fixed = quantise(network, P)
+    np.testing.assert_array_equal(fixed.hidden_weights * 2.0**-fixed.weight_fraction, network.hidden_weights)
+    np.testing.assert_array_equal(fixed.output_weights * 2.0**-fixed.output_weight_fraction, network.output_weights)
 
 
 def test_lopsided_robot_is_trained_without_symmetry(tmp_path):
