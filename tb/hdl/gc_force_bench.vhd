@@ -60,16 +60,27 @@ begin
 
   sample <= std_ulogic_vector(in_count) & std_ulogic_vector(in_period);
 
-  i_sample : entity work.gc_delay
-    generic map (
-      bits_g   => sample'length,
-      clocks_g => latency_g
-    )
-    port map (
-      clk      => clk,
-      in_data  => sample,
-      out_data => waited
-    );
+  -- A ring in a variable: a shift register as wide as this would take most of the simulator's time.
+  p_wait : process (clk) is
+
+    type ring_t is array (0 to latency_g - 2) of std_ulogic_vector(sample'range);
+
+    variable ring_v  : ring_t;
+    variable place_v : natural range 0 to latency_g - 2 := 0;
+
+  begin
+
+    if rising_edge(clk) then
+      waited          <= ring_v(place_v);
+      ring_v(place_v) := sample;
+      if place_v = latency_g - 2 then
+        place_v := 0;
+      else
+        place_v := place_v + 1;
+      end if;
+    end if;
+
+  end process p_wait;
 
   i_compensator : entity work.gc_compensator
     port map (
