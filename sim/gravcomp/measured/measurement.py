@@ -52,11 +52,15 @@ class Measurement:
 
     @cached_property
     def dead_band(self) -> np.ndarray:
-        """Speed per axis below which the direction is not sure: three times the noise of v, at most 2 % of its range."""
-        if len(self.t_s) < 8 or not self.is_motion.mean() > 0.5:
-            return np.zeros(self.n_axes)
-        noise = np.median(np.abs(np.diff(self.v, 2, axis=0)), axis=0) / 0.6745 / np.sqrt(6.0)
-        return np.minimum(3.0 * noise, _DEAD_BAND_CAP * np.quantile(np.abs(self.v), 0.95, axis=0))
+        """Speed below which the direction is not sure, (n, k): three times the noise of v in motion, at most 2 % of its
+        range; zero for holds, whose approach has a direction.
+        """
+        moving = self.is_motion
+        if np.count_nonzero(moving) < 8:
+            return np.zeros(self.shape)
+        v = self.v[moving]
+        noise = np.median(np.abs(np.diff(v, 2, axis=0)), axis=0) / 0.6745 / np.sqrt(6.0)
+        return np.minimum(3.0 * noise, _DEAD_BAND_CAP * np.quantile(np.abs(v), 0.95, axis=0)) * moving[:, None]
 
     @cached_property
     def is_motion(self) -> np.ndarray:
@@ -84,6 +88,8 @@ class Measurement:
         if self.v is None or not self.is_motion.any():
             return None
         t, v = self.t_s, self.v
+        if (np.diff(t) <= 0).any():
+            return None
         window = int(np.clip(len(t) // 200, 2, 10)) * 2 + 1
         smooth = savgol_filter(v, window, 2, axis=0) if len(t) > window else v
         return np.gradient(smooth, t, axis=0) * self.is_motion[:, None]
