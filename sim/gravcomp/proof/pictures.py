@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp.network import bittrue
 from gravcomp.network.quantise import FixedNetwork
@@ -64,8 +65,11 @@ def run_picture(vcd: Path, n_axes: int, force_bits: int):
     """
     from matplotlib.figure import Figure
 
-    waves = _Waves(vcd)
-    results = waves.rises("out_valid")
+    try:
+        waves = _Waves(vcd)
+        results = waves.rises("out_valid")
+    except (OSError, ValueError, KeyError):
+        raise InputError(f"{vcd}: no waveform of a run, or a damaged one; start `make sim` first") from None
     figure = Figure(figsize=(12, 7), layout="constrained")
     left, right = figure.add_gridspec(1, 2)
     left, right = left.subgridspec(3, 1, height_ratios=(3, 3, 1)), right.subgridspec(5, 1)
@@ -90,7 +94,7 @@ def run_picture(vcd: Path, n_axes: int, force_bits: int):
         axes.step(*waves.signal(name, lambda word, bit=bit: word >> bit & 1), where="post", color="black")
         axes.tick_params(labelbottom=False)
         if row == 0:
-            axes.set_title("one inference: the pins rest, the counts go in, the forces come out")
+            axes.set_title("one inference: pins rest, counts in, forces out")
     times, values = waves.signal("out_force", lambda word: _field(word, SHOWN_AXIS, force_bits))
     shown = [value for time, value in zip(times, values, strict=True) if abs(time - middle) < 1.5]
     axes = figure.add_subplot(right[4], xlim=window, ylabel=f"force {SHOWN_AXIS + 1}, mN", xlabel="time, ms")
