@@ -32,7 +32,10 @@ def test_nominal_file_holds_the_designs_values():
         ("com_m = [0.03464101615137755", "com_m = [inf", "[platform] com_m = "),
         ("com_m = [0.03464101615137755", 'com_m = ["a"', "[platform] com_m = "),
         ("-0.5773502691896258", "0.0", "[gravity] direction has zero length"),
+        ("-0.5773502691896258", f"1{'0' * 400}", "[gravity] direction = "),
+        ("d_m = 0.25 ", f"d_m = 1{'0' * 400} ", "[geometry] d_m = 1000"),
         ("[geometry]", "[geometry", "not valid TOML"),
+        ("[geometry]", "a = " + "[" * 5000, "not valid TOML"),
     ],
 )
 def test_wrong_file_is_refused_by_file_table_and_key(tmp_path, old, new, said):

@@ -33,6 +33,9 @@ def main(argv: list[str] | None = None) -> int:
     except InputError as error:
         print(f"gravcomp {arguments.command}: {error}", file=sys.stderr)
         return 2
+    except MemoryError:
+        print(f"gravcomp {arguments.command}: not enough memory; ask for less", file=sys.stderr)
+        return 2
     return 0
 
 

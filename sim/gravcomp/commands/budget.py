@@ -8,6 +8,7 @@ from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network
 from gravcomp.robot.parameters import load_parameters
 
+KINDS = ("multiplications", "sums")
 PAPER = "| paper: statics by its analytic model | | | | | 532 | 8305 |"
 
 
@@ -19,14 +20,18 @@ def add_arguments(parser):
 def run(arguments):
     try:
         rows = json.loads(arguments.rtl.read_text())
-    except OSError:
-        raise InputError(f"{arguments.rtl}: no such count; start `make budget`") from None
-    mults, sums = (sum(row["number"] for row in rows if row["kind"] == kind) for kind in ("multiplications", "sums"))
+        mults, sums = (sum(row["number"] for row in rows if row["kind"] == kind) for kind in KINDS)
+    except (OSError, ValueError, KeyError, TypeError):
+        raise InputError(f"{arguments.rtl}: no such count, or a damaged one; start `make budget`") from None
+    network, statics = (
+        count_network_operations(load_network(arguments.weights)),
+        count_statics_operations(load_parameters()),
+    )
     print("| what | multiplications | sums | divisions | square roots | trigonometric | all |")
     print("|---|---|---|---|---|---|---|")
     print(f"| network, running VHDL | {mults} | {sums} | 0 | 0 | 0 | {mults + sums} |")
-    print(_row("network, NumPy on counting numbers", count_network_operations(load_network(arguments.weights))))
-    print(_row("statics in closed form, from joint positions", count_statics_operations(load_parameters())))
+    print(_row("network, NumPy on counting numbers", network))
+    print(_row("statics in closed form, from joint positions", statics))
     print(PAPER)
     print("\nA sum of many terms counts as one, as in the paper; theta |a| counts, though it is a shift in hardware.")
 

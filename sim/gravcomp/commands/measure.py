@@ -32,8 +32,8 @@ def add_arguments(parser):
 
 
 def run(arguments):
-    if arguments.seed < 0 or not arguments.noise >= 0 or not 0 < arguments.speed <= 100:
-        raise InputError("--seed and --noise must not be negative, --speed must be in 0..100; correct them")
+    if arguments.seed < 0 or not 0 <= arguments.noise < np.inf or not 0 < arguments.speed <= 100:
+        raise InputError("--seed and --noise must not be negative or infinite, --speed must be in 0..100; correct them")
     p = load_parameters(arguments.robot)
     rng = np.random.default_rng([arguments.seed, 1])
     effects = [effect for text in arguments.effect or ["none"] for effect in parse_effect(text, rng)]

@@ -18,9 +18,11 @@ def add_arguments(parser):
 def run(arguments):
     p = load_parameters()
     fixed = quantise(load_network(arguments.weights), p, arguments.weights)
-    print("Simulated VHDL (gc_top, from its encoder pins) against the bit-true model and the statics:\n")
-    print(error_table(load_run(arguments.run / "poses.csv"), fixed, p))
+    table = error_table(load_run(arguments.run / "poses.csv"), fixed, p)
+    waves = run_picture(arguments.run / "run.vcd", fixed.n_axes, FORCE_BITS)
     folder = arguments.pictures or arguments.run
     save_figure(error_maps(fixed, p), folder / "error_maps.png")
-    save_figure(run_picture(arguments.run / "run.vcd", fixed.n_axes, FORCE_BITS), folder / "run.png")
+    save_figure(waves, folder / "run.png")
+    print("Simulated VHDL (gc_top, from its encoder pins) against the bit-true model and the statics:\n")
+    print(table)
     print(f"\nPictures: {folder / 'run.png'}, {folder / 'error_maps.png'}; waveform: {arguments.run / 'run.vcd'}")

@@ -40,6 +40,7 @@ OUTPUT_HEADROOM = 1.0625
 _OPERAND_MAX = 2 ** (OPERAND_BITS - 1) - 1
 _SCALE_CODE_MIN = 1024  # a scale is then exact to 0.05 %
 _FRACTION_MAX = 24  # finer weights than this would only widen the sums
+_SCALE_FRACTION_MAX = 31  # half of it must fit a VHDL integer; products of 36 bits would vanish with more
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,8 @@ class FixedNetwork:
         return HIDDEN_FRACTION + self.output_weight_fraction - self.y_fraction
 
 
+# Values that overflow a float become inf here, and no format holds inf.
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")
 def quantise(network: Network, p: RobotParameters, folder: Path | str = "weights") -> FixedNetwork:
     """Derive formats and constants of the hardware from a float network.
 
@@ -141,7 +144,7 @@ def _input_stage(network: Network, p: RobotParameters, path: Path) -> dict:
     reach = INPUT_LIMIT / network.q_scale_per_m / p.encoder_m_per_count
     low, high = np.ceil(centre - reach), np.floor(centre + reach)
     for row in range(network.n_axes):
-        if max(abs(low[row]), abs(high[row])) >= 2 ** (COUNT_BITS - 1) or low[row] > high[row]:
+        if not -(2 ** (COUNT_BITS - 1)) < low[row] <= high[row] < 2 ** (COUNT_BITS - 1):
             raise InputError(
                 f"{path}: row {row + 1}, column q_scale_per_m: the trained range is {low[row]:.0f} to {high[row]:.0f} "
                 f"encoder counts; it must hold a count and fit {COUNT_BITS} bits"
@@ -195,7 +198,7 @@ def _output_stage(network: Network, folder: Path) -> dict:
     weight_fraction = _fraction_for(network.output_weights, path, columns)
     weights = _codes(network.output_weights, weight_fraction)
     f_ratio = network.f_offset_n / network.f_scale_n
-    y_fraction = _fraction_for((np.abs(f_ratio)[:, None] + 1.0) * OUTPUT_HEADROOM, scaling, ["f_offset_n"])
+    y_fraction = _fraction_for((np.abs(f_ratio)[:, None] + 1.0) * OUTPUT_HEADROOM, scaling, ["f_offset_n / f_scale_n"])
     where = f"{scaling}: row {{row}}, column f_scale_n"
     output_scale, scale_fraction = _scale(1000.0 * network.f_scale_n * 2.0**-y_fraction, where)
     if 2 * OPERAND_BITS - 1 - scale_fraction > FORCE_BITS:
@@ -226,8 +229,10 @@ def _fraction_for(values: np.ndarray, path: Path, columns: list[str]) -> int:
     """Most fraction bits with which an 18-bit operand holds every value of a table (rows, columns)."""
     row, column = np.unravel_index(np.argmax(np.abs(values)), values.shape)
     largest = abs(float(values[row, column]))
-    fraction = OPERAND_BITS - 1 - math.ceil(math.log2(largest)) if largest > 0 else _FRACTION_MAX
-    if largest > 0 and round(largest * 2.0**fraction) > _OPERAND_MAX:
+    fraction = -1 if math.isinf(largest) else _FRACTION_MAX
+    if 0 < largest < math.inf:
+        fraction = OPERAND_BITS - 1 - math.ceil(math.log2(largest))
+    if fraction >= 0 and round(largest * 2.0**fraction) > _OPERAND_MAX:
         fraction -= 1
     if fraction < 0:
         raise InputError(
@@ -261,11 +266,12 @@ def _sum_bits(interval: tuple[int, int], drop: int, path: Path) -> int:
 
 def _scale(factors: np.ndarray, where: str) -> tuple[np.ndarray, int]:
     """Positive factors as 18-bit codes with one common fraction; where names a factor, with {row} for its number."""
-    fraction = math.floor(math.log2(_OPERAND_MAX / factors.max()))
-    codes = _codes(factors, fraction)
-    if fraction < 0:
+    largest = float(factors.max())
+    fraction = math.floor(math.log2(_OPERAND_MAX) - math.log2(largest)) if 0 < largest < math.inf else -1
+    if not 0 <= fraction <= _SCALE_FRACTION_MAX:
         row = int(np.argmax(factors))
         raise InputError(f"{where.format(row=row + 1)} is too large or small for {OPERAND_BITS} bits; check its unit")
+    codes = _codes(factors, fraction)
     if codes.min() < _SCALE_CODE_MIN:
         row = int(np.argmin(factors))
         raise InputError(f"{where.format(row=row + 1)} differs too much from the largest one; give similar scales")

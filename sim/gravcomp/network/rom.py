@@ -35,7 +35,14 @@ def write_rom(folder: Path | str, p: RobotParameters, generated: Path | str) -> 
 def stale_rom_files(folder: Path | str, p: RobotParameters, generated: Path | str) -> list[Path]:
     """The packages in generated/ that are not those of the weights folder. Raises InputError as rom_files does."""
     paths = {Path(generated) / name: text for name, text in rom_files(folder, p).items()}
-    return [path for path, text in paths.items() if not path.exists() or path.read_text(encoding="utf-8") != text]
+    return [path for path, text in paths.items() if not _holds(path, text)]
+
+
+def _holds(path: Path, text: str) -> bool:
+    try:
+        return path.read_bytes() == text.encode("utf-8")
+    except OSError:
+        return False
 
 
 def package_text(fixed: FixedNetwork, sha256: str, name: str) -> str:

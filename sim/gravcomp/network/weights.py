@@ -126,8 +126,9 @@ def _read_table(path: Path, header: list[str]) -> np.ndarray:
     if not lines:
         raise InputError(f"{path}: empty; its first line must be {','.join(header)}")
     found = [name.strip() for name in lines[0]]
+    present = set(found)
     for name in header:
-        if name not in found:
+        if name not in present:
             raise InputError(f"{path}: row 0 (header): column {name} is missing; the header must be {_short(header)}")
     if found != header:
         raise InputError(f"{path}: row 0 (header): found {_short(found)}; the header must be {_short(header)}")

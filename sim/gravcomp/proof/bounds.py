@@ -36,8 +36,9 @@ def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
     codes = fixed.count_low >> fixed.count_shift, fixed.count_high >> fixed.count_shift
     hidden_sum = partial_sum_interval(fixed.hidden_weights, fixed.hidden_bias, fixed.x_low, fixed.x_high)
     # At a = 0 the slope wraps and its product is 0 all the same; elsewhere |a| >= 1.
-    slope = (2**18 - half) >> 1, (2**18 - 1) >> 1
-    # Gamma falls with |a|: its ends are those of a.
+    beta = 2 ** (q.SLOPE_FRACTION + 1)
+    slope = (beta - half) >> 1, (beta - 1) >> 1
+    # Gamma rises with a over the whole format: its ends are those of a.
     h = tuple(int(bittrue.activation(np.array(edge))) for edge in (-half, half - 1))
     output_sum = partial_sum_interval(fixed.output_weights, fixed.output_bias, *h)
     scale = int(fixed.output_scale.max())

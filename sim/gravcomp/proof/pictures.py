@@ -61,7 +61,7 @@ def _error_norm(fixed, p, azimuth, tilt_deg, torsion_deg) -> np.ndarray:
 def run_picture(vcd: Path, n_axes: int, force_bits: int):
     """A run of gc_top from its VCD: counts and forces of the whole run, pins and handshake of one inference.
 
-    Returns a Matplotlib figure.
+    Returns a Matplotlib figure. Raises InputError when there is no such VCD, or a damaged one.
     """
     from matplotlib.figure import Figure
 

@@ -23,14 +23,14 @@ class Run:
 
 
 def load_run(path: Path) -> Run:
-    """Read a CSV of the end-to-end simulation. Raises InputError when there is none."""
+    """Read a CSV of the end-to-end simulation. Raises InputError when there is none, or it is not one."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
-    except OSError:
-        raise InputError(f"{path}: no such run; start `make sim` first") from None
-    cells = np.array([line.split(",") for line in lines[1:]])
-    n_axes = (cells.shape[1] - 1) // 2
-    return Run(cells[:, 0], cells[:, 1 : 1 + n_axes].astype(np.int64), cells[:, 1 + n_axes :].astype(np.int64))
+        cells = np.array([line.split(",") for line in lines[1:]])
+        n_axes = (cells.shape[1] - 1) // 2
+        return Run(cells[:, 0], cells[:, 1 : 1 + n_axes].astype(np.int64), cells[:, 1 + n_axes :].astype(np.int64))
+    except (OSError, ValueError, IndexError, OverflowError):
+        raise InputError(f"{path}: no such run, or a damaged one; start `make sim` first") from None
 
 
 def error_table(run: Run, fixed: FixedNetwork, p: RobotParameters) -> str:

@@ -71,7 +71,7 @@ def load_parameters(path: Path | str = NOMINAL_TOML) -> RobotParameters:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read ({error}); give a robot TOML file") from error
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{path}: not valid TOML ({error}); correct that line") from error
     return parameters_from_table(table, str(path))
 
@@ -80,6 +80,7 @@ def parameters_from_table(table: dict, where: str) -> RobotParameters:
     """Build RobotParameters from the tables of a parsed TOML document; ``where`` names it in errors (InputError)."""
     values = {name: _scalar(table, where, name, *place) for name, place in _SCALARS.items()}
     values |= {name: _vector(table, where, *place) for name, place in _VECTORS.items()}
+    values["gravity_direction"] /= max(np.abs(values["gravity_direction"]).max(), 1.0)  # else its square may overflow
     norm = float(np.linalg.norm(values["gravity_direction"]))
     if norm == 0.0:
         raise InputError(f"{where}: [gravity] direction has zero length; give the direction in which things fall")
@@ -96,7 +97,7 @@ def _entry(table: dict, where: str, section: str, key: str):
 
 def _scalar(table: dict, where: str, name: str, section: str, key: str) -> float:
     value = _entry(table, where, section, key)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+    if not _is_finite_number(value):
         raise InputError(f"{where}: [{section}] {key} = {value!r} is not a finite number; give one")
     if value < 0 or (value == 0 and name in _MUST_BE_POSITIVE):
         raise InputError(f"{where}: [{section}] {key} = {value!r} is out of range; give a positive number")
@@ -105,7 +106,13 @@ def _scalar(table: dict, where: str, name: str, section: str, key: str) -> float
 
 def _vector(table: dict, where: str, section: str, key: str) -> np.ndarray:
     value = _entry(table, where, section, key)
-    is_numbers = isinstance(value, list) and all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in value)
-    if not is_numbers or len(value) != 3 or not np.all(np.isfinite(value)):
+    if not isinstance(value, list) or len(value) != 3 or not all(map(_is_finite_number, value)):
         raise InputError(f"{where}: [{section}] {key} = {value!r} is not three finite numbers; give three")
     return np.array(value, dtype=float)
+
+
+def _is_finite_number(value) -> bool:
+    try:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:  # an integer beyond the floats
+        return False

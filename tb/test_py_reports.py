@@ -1,0 +1,38 @@
+"""The reports on simulated runs: what is missing or damaged is one line, and nothing is printed or written."""
+
+import pytest
+
+from codes import ROOT
+from gravcomp.cli import main
+
+WEIGHTS = ["--weights", str(ROOT / "weights" / "spheiro")]
+RUN_HEADER = "set,count1,count2,count3,f1_mn,f2_mn,f3_mn\n"
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "damaged"),
+    [
+        (["budget", *WEIGHTS, "--rtl", "budget.json"], "budget.json", ["{", "[1]", '[{"kind": "sums"}]']),
+        (["latency", "--build", "."], "core-3-20-4.json", ["{", "[1]", '{"lanes": 4}']),
+        (["sim-report", *WEIGHTS, "--run", "."], "poses.csv", ["", RUN_HEADER, RUN_HEADER + "a,b,c,d,e,f,g\n"]),
+    ],
+)
+def test_report_refuses_a_missing_or_damaged_run_in_one_line(command, name, damaged, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for text in [None, *damaged]:
+        if text is not None:
+            (tmp_path / name).write_text(text)
+        assert main(command) == 2
+        printed = capsys.readouterr()
+        assert printed.out == ""
+        assert printed.err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_report_refuses_a_damaged_waveform_before_it_draws(tmp_path, capsys):
+    (tmp_path / "poses.csv").write_text(RUN_HEADER + "home,0,0,0,50294,50294,50294\n")
+    (tmp_path / "run.vcd").write_text("nonsense")
+    assert main(["sim-report", *WEIGHTS, "--run", str(tmp_path)]) == 2
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err.count("\n")) == ("", 1)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["poses.csv", "run.vcd"]
