@@ -10,7 +10,7 @@ from gravcomp.measured import tally
 
 def add_arguments(parser):
     parser.add_argument("--sets", type=int, default=100, help="seeds of each kind (default 100)")
-    parser.add_argument("--first-seed", type=int, default=1000, help="first seed (default 1000; below 200 was tuned on)")
+    parser.add_argument("--first-seed", type=int, default=1000, help="first seed (default 1000; below 200: tuned on)")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
     parser.add_argument("--docs", type=Path, help="folder for blind.md and figures/blind_confusion.png")
 

@@ -33,7 +33,12 @@ def run(arguments):
     model = load_model(arguments.model) if arguments.model else Model()
     data = read_measurement(arguments.data, model.robot)
     with tqdm(total=_STEPS, desc="diagnose", delay=2, leave=False) as bar:
-        found = diagnose(data, model, arguments.seed, arguments.holdout, lambda what: (bar.set_postfix_str(what), bar.update()))
+
+        def tick(what: str) -> None:
+            bar.set_postfix_str(what)
+            bar.update()
+
+        found = diagnose(data, model, arguments.seed, arguments.holdout, tick)
     content = report(found)
     grown = Model(
         model.robot, model.nominal_toml,

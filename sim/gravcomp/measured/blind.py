@@ -127,8 +127,8 @@ def _noise(data, rng) -> np.ndarray:
 
 
 def _drawable(data) -> list[str]:
-    names = ["coulomb_friction", "coulomb_friction", "viscous_friction", "stribeck_friction", "cogging", "current_offset",
-             "cable_spring", "thermal_drift"]  # fmt: skip
+    names = ["coulomb_friction", "coulomb_friction", "viscous_friction", "stribeck_friction", "cogging",
+             "current_offset", "cable_spring", "thermal_drift"]  # fmt: skip
     if data.n_axes > 1 or data.unit == "Nm":
         names += ["thrust_constant", "load_dependent_friction", "payload"]
         names += ["encoder_offset", "backlash", "link_compliance"]
@@ -153,19 +153,15 @@ def _listed(name: str, data, rng) -> tuple[np.ndarray, range]:
             top = np.quantile(np.abs(data.v), 0.95, axis=0)
             shape = {f"vs_{i + 1}": float(rng.uniform(0.1, 0.4) * top[i]) for i in range(data.n_axes)}
     force = np.zeros(data.shape)
-    columns = effect.columns(data, shape)
-    for label, column in columns.items():
-        scale = np.sqrt(np.mean(column**2)) * (1.0 if effect.per_axis or data.n_axes == 1 else 1.0)
-        factor = rng.uniform(0.5, 1.5) * (1.0 if effect.positive or label.startswith(("k_", "gain_")) else rng.choice([-1, 1]))
+    for label, column in effect.columns(data, shape).items():
+        if label.startswith(("c_", "level_")) and effect.per_axis:
+            continue
+        is_signed = not effect.positive and not label.startswith(("k_", "gain_"))
+        factor = rng.uniform(0.5, 1.5) * (rng.choice([-1, 1]) if is_signed else 1.0)
+        factor /= max(np.sqrt(np.mean(column**2)), 1e-300)
         if name == "stribeck_friction":
             factor = rng.uniform(1.6, 2.5) if label.startswith("fs") else rng.uniform(0.6, 1.0)
-            scale = 1.0
-        if label.startswith(("c_", "level_")) and name in ("cable_spring", "thermal_drift"):
-            center = data.q[:, int(label[-1]) - 1].mean() if name == "cable_spring" else 25.0
-            factor, scale = 0.0, 1.0
-            stem = "k" if name == "cable_spring" else "slope"
-            force -= center * columns[f"{stem}_{label[-1]}"] * 0.0
-        force = force + factor * column / max(scale, 1e-300)
+        force = force + factor * column
     if name == "coulomb_friction" and rng.random() < 0.4:
         force = force + np.where(data.direction > 0, 0.4, 0.0) * np.abs(force).max()
     return force, range(data.n_axes)

@@ -19,8 +19,8 @@ class Correction:
     """What the residual of one axis follows: ``variables`` for people, ``shape`` for the computation.
 
     kind "table": hat functions over knots of one variable, times the axis' direction if ``by_direction``;
-    "line" and "product": one or two variables as they are; "wave": sin and cos of a frequency in time, Hz; "step": another
-    level from a time on; "surface": polynomial of all positions.
+    "line", "product": one or two variables as they are; "wave": sin and cos of a frequency in time, Hz;
+    "step": another level from a time on; "surface": polynomial of all positions.
     """
 
     axis: int

@@ -77,4 +77,5 @@ def _axis_label(d: Diagnosis, name: str) -> str:
     if name in ("t", "temp"):
         return {"t": "time, s", "temp": "temperature, °C"}[name]
     unit = d.data.position_units[int(name[1:]) - 1]
-    return {"q": f"position {name}, {unit}", "v": f"velocity {name}, {unit}/s", "f": f"model {name}, {d.data.unit}"}[name[0]]
+    known = {"q": f"position {name}, {unit}", "v": f"velocity {name}, {unit}/s", "f": f"model {name}, {d.data.unit}"}
+    return known[name[0]]

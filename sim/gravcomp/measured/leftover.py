@@ -33,7 +33,8 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
             model = ExtraTreesRegressor(40, min_samples_leaf=10, random_state=seed).fit(x[train], y[train])
             gains.append(1.0 - np.mean((y[test] - model.predict(x[test])) ** 2) / np.var(y[test]))
             if np.mean(gains) > 0:
-                importance += permutation_importance(model, x[test], y[test], n_repeats=1, random_state=seed).importances_mean
+                shuffled = permutation_importance(model, x[test], y[test], n_repeats=1, random_state=seed)
+                importance += shuffled.importances_mean
         if np.mean(gains) > _MIN_R2 and np.mean(gains) > 4 * np.std(gains) / np.sqrt(_FOLDS) and np.min(gains) > 0:
             top = int(importance.argmax())
             out.append({"axis": axis + 1, "variable": names[top], "share": float(np.mean(gains))})

@@ -19,6 +19,11 @@ def errors(error: np.ndarray, force: np.ndarray) -> dict[str, float]:
     }
 
 
+def relative_percent(error: np.ndarray, force: np.ndarray) -> float:
+    """100 norm(error)/norm(force), as identification papers give it."""
+    return float(100.0 * np.linalg.norm(error) / max(np.linalg.norm(force), 1e-300))
+
+
 def report(d: Diagnosis) -> dict:
     """The report as a dictionary, schema 1."""
     test = d.is_test
@@ -35,6 +40,8 @@ def report(d: Diagnosis) -> dict:
         "drivers": d.drivers,
         "before": errors(d.before[test], d.data.force[test]),
         "after": errors(d.after[test], d.data.force[test]),
+        "before_rel_pct": relative_percent(d.before[test], d.data.force[test]),
+        "after_rel_pct": relative_percent(d.after[test], d.data.force[test]),
         "noise_floor_n": d.noise_floor,
         "n_train": int(np.count_nonzero(~test)),
         "n_test": int(np.count_nonzero(test)),

@@ -93,10 +93,12 @@ def pitch_of(lines: list[tuple[float, float]], span: float, turn: float | None) 
     if turn is not None and span > 0.9 * turn:
         bases = [1.0 / turn]
         resolution = 0.6 / span
+
     def fit(base):
         h = np.round(f / base)
         ok = (np.abs(f - h * base) < resolution) & (h >= 1) & (h <= (_MAX_CYCLES if turn else _MAX_HARMONIC))
         return power[ok].sum(), h[ok]
+
     scores = [fit(base)[0] * (0.98**m) for m, base in enumerate(bases)]
     base = bases[int(np.argmax(scores))]
     h = np.unique(fit(base)[1].astype(int))

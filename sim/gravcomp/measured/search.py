@@ -7,6 +7,7 @@ m_i: samples of axis i that count as independent. A price stands for the number 
 """
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -65,7 +66,7 @@ class Evidence:
         self.terms, self.m, self.variance = terms, independent, variance
         sizes = [len(term.labels) for term in terms]
         starts = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
-        self.place = [np.arange(a, b) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+        self.place = [np.arange(a, b) for a, b in pairwise(starts)]
         n_columns, n_axes = starts[-1], residual.shape[1]
         self.gram = np.zeros((n_axes, n_columns, n_columns))
         self.cross = np.zeros((n_axes, n_columns))
@@ -143,8 +144,8 @@ class Evidence:
         return False
 
     def pick(self) -> frozenset:
-        """The best set. Physics that misses next to nothing of what can be explained at all stays whole, and corrections
-        may only come on top of it; otherwise effects and corrections compete freely.
+        """The best set. Physics that misses next to nothing of what can be explained at all stays whole, and
+        corrections may only come on top of it; otherwise effects and corrections compete freely.
         """
         physical = [k for k, term in enumerate(self.terms) if term.is_physical]
         everything = range(len(self.terms))
@@ -166,7 +167,7 @@ class Evidence:
         """Use the special case of an effect (Coulomb for Stribeck) where the general one gains next to nothing."""
         for k in sorted(members):
             special, rest = self.terms[k].source.special_case, members - {k}
-            options = [j for j, term in enumerate(self.terms) if special and term.name == special and self._fits(rest, j)]
+            options = [j for j, term in enumerate(self.terms) if term.name == special and self._fits(rest, j)]
             if not options:
                 continue
             best = rest | {min(options, key=lambda j: self.score(rest | {j}))}

@@ -5,6 +5,7 @@ import numpy as np
 from gravcomp.measured.effects.base import Effect, needs_velocity
 from gravcomp.robot.kinematics import direct_kinematics, passive_jacobian
 
+
 class PassiveJointFriction(Effect):
     """J_p^T (fc sign(v_p)), v_p = J_p v over the prismatic joints b_i and the rotary joints phi_i."""
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gravcomp.measured.effects.base import Effect, axis_of, on_axis, needs_velocity
+from gravcomp.measured.effects.base import Effect, axis_of, needs_velocity, on_axis
 
 
 class StribeckFriction(Effect):

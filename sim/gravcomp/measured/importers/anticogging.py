@@ -24,7 +24,7 @@ def anticogging_csv(path: Path | str) -> str:
     except (OSError, ValueError, KeyError) as error:
         raise InputError(f"{path}: not the anticogging data ({error}); give stopped_data.txt") from error
     if len(t) < 3 or not np.isfinite([t, q, current]).all() or (np.diff(t) < 0).any():
-        raise InputError(f"{path}: columns {', '.join(_NEEDED)}: not finite or not in order of time; give stopped_data.txt")
+        raise InputError(f"{path}: columns {', '.join(_NEEDED)}: not finite, or time runs back; give stopped_data.txt")
     speed = np.abs(np.interp(t + _HALF_WINDOW_S, t, q) - np.interp(t - _HALF_WINDOW_S, t, q)) / (2.0 * _HALF_WINDOW_S)
     top = int(q.argmax())
     v = np.where(np.arange(len(t)) <= top, 1.0, -1.0) * np.maximum(speed, 1e-4)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.io import loadmat
+from scipy.io.matlab import MatReadError
 from scipy.signal import butter, filtfilt
 
 from gravcomp.errors import InputError
@@ -26,7 +27,7 @@ def emps_csv(path: Path | str) -> str:
         content = loadmat(path)
         t, position, control = (content[name].ravel().astype(float) for name in ("t", "qm", "vir"))
         gain = float(content["gtau"].item())
-    except (OSError, ValueError, KeyError, NotImplementedError) as error:
+    except (OSError, ValueError, KeyError, NotImplementedError, MatReadError) as error:
         raise InputError(f"{path}: not the EMPS data ({error}); give DATA_EMPS.mat") from error
     step = float(np.median(np.diff(t)))
     low_pass = butter(4, CUTOFF_HZ * 2.0 * step)

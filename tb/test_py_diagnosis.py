@@ -1,0 +1,138 @@
+"""The diagnosis names what was put into the data, nothing where nothing is, and no physics it cannot show."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gravcomp.cli import main
+from gravcomp.measured.csv_reader import read_measurement
+from gravcomp.measured.diagnosis import diagnose
+from gravcomp.measured.effects import EFFECTS, NAMES, effect_named
+from gravcomp.measured.model import Model, load_model, model_toml
+from gravcomp.measured.report import report
+from gravcomp.robot.kinematics import inverse_kinematics
+from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.workspace import sample_workspace
+
+P = load_parameters()
+NOISE_N = 0.3
+N = 400
+
+
+def holds(force=None, seed=7):
+    """CSV of static holds with an extra force(q, v), N."""
+    rng = np.random.default_rng(seed)
+    q = inverse_kinematics(sample_workspace(N, P, seed), P)
+    v = rng.choice([-1.0, 1.0], q.shape) * rng.uniform(0.001, 0.01, q.shape)
+    f = holding_forces_at(q, P) + NOISE_N * rng.standard_normal(q.shape)
+    f = f if force is None else f + force(q, v)
+    head = "t_s," + ",".join(f"{c}{i}_{u}" for c, u in (("q", "m"), ("v", "mps"), ("f", "n")) for i in (1, 2, 3))
+    rows = np.column_stack([2.0 * np.arange(N), q, v, f])
+    return head + "\n" + "\n".join(",".join(f"{x:.9g}" for x in row) for row in rows) + "\n"
+
+
+def run(tmp_path, text, *options):
+    """Exit status and report of the command line."""
+    data, out = tmp_path / "log.csv", tmp_path / "out"
+    data.write_text(text)
+    status = main(["diagnose", str(data), "--out", str(out), *options])
+    return status, json.loads((out / "report.json").read_text()) if status == 0 else None
+
+
+@pytest.mark.parametrize(
+    ("name", "force"),
+    [
+        ("coulomb_friction", lambda q, v: 0.8 * np.sign(v)),
+        ("viscous_friction", lambda q, v: 100.0 * v),
+        ("thrust_constant", lambda q, v: 0.02 * holding_forces_at(q, P)),
+        ("encoder_offset", lambda q, v: holding_forces_at(q + 0.002, P) - holding_forces_at(q, P)),
+        ("cogging", lambda q, v: 0.8 * np.sin(2 * np.pi * q / 0.024 + 1.0)),
+    ],
+)
+def test_diagnosis_names_the_effect_and_leaves_noise(tmp_path, name, force):
+    status, found = run(tmp_path, holds(force))
+    assert status == 0
+    assert [effect["name"] for effect in found["effects"]] == [name]
+    assert found["verdict"] == "explained"
+    assert found["after"]["rms_n"] < 1.1 * NOISE_N < found["before"]["rms_n"]
+
+
+def test_diagnosis_names_nothing_in_noise(tmp_path):
+    _, found = run(tmp_path, holds())
+    assert found["verdict"] == "nothing_missing"
+    assert found["effects"] == []
+    assert found["before"] == found["after"]
+
+
+def test_diagnosis_gives_an_unlisted_effect_its_driver_and_no_name(tmp_path):
+    def stop(q, v):
+        return -np.stack([60.0 * np.maximum(q[:, 0] - 0.03, 0.0), 0 * q[:, 1], 0 * q[:, 2]], axis=1)
+
+    _, found = run(tmp_path, holds(stop))
+    assert found["effects"] == []
+    assert found["verdict"] == "unexplained"
+    assert (found["drivers"][0]["axis"], found["drivers"][0]["variable"]) == (1, "q1")
+
+
+def test_intervals_cover_the_true_coefficient(tmp_path):
+    _, found = run(tmp_path, holds(lambda q, v: 0.8 * np.sign(v)))
+    intervals = found["effects"][0]["ci95"]
+    assert sum(low < 0.8 < high for low, high in intervals.values()) >= len(intervals) - 1
+
+
+def test_model_reloaded_leaves_nothing_missing(tmp_path):
+    text = holds(lambda q, v: 0.8 * np.sign(v) + 0.02 * holding_forces_at(q, P))
+    run(tmp_path, text)
+    _, found = run(tmp_path, text, "--model", str(tmp_path / "out" / "model.toml"))
+    assert found["verdict"] == "nothing_missing"
+
+
+def test_model_toml_survives_a_round_trip(tmp_path):
+    model = Model(effects=[("coulomb_friction", {"fc_1": 1.25}), ("payload", {"moment_x": 0.1})])
+    (tmp_path / "m.toml").write_text(model_toml(model))
+    again = load_model(tmp_path / "m.toml")
+    assert again.effects == model.effects
+    assert model_toml(again) == model_toml(model)
+
+
+def test_report_is_the_same_for_the_same_seed(tmp_path):
+    text = holds(lambda q, v: 0.8 * np.sign(v))
+    assert run(tmp_path, text)[1] == run(tmp_path, text)[1]
+
+
+def test_held_out_samples_reach_no_fit(tmp_path):
+    (tmp_path / "log.csv").write_text(holds(lambda q, v: 0.8 * np.sign(v)))
+    data = read_measurement(tmp_path / "log.csv", P)
+    first = diagnose(data, Model())
+    spoilt = np.where(first.is_test[:, None], data.force + 50.0, data.force)
+    second = diagnose(replace(data, force=spoilt), Model())
+    assert report(second)["effects"][0]["params"] == report(first)["effects"][0]["params"]
+
+
+def test_vocabulary_is_complete_and_registered_once():
+    assert len(NAMES) == 17
+    assert all(isinstance(effect_named(name), EFFECTS) for name in NAMES)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda s: s.replace("t_s,", "time,", 1), "t_s"),
+        (lambda s: s.replace("q2_m", "q2_mm", 1), "q2"),
+        (lambda s: "\n".join([*s.splitlines()[:5], "nan" + s.splitlines()[5][1:], *s.splitlines()[6:]]), "row 6"),
+        (lambda s: "\n".join([*s.splitlines()[:5], s.splitlines()[5] + ",1", *s.splitlines()[6:]]), "row 6"),
+        (lambda s: "\n".join(s.splitlines()[:10]), "at least"),
+        (lambda s: s.replace("\n2,", "\n2,9", 1), "row"),
+        (lambda s: "", "row 1"),
+    ],
+)
+def test_bad_input_ends_in_one_line_and_writes_nothing(tmp_path, capsys, change, told):
+    assert run(tmp_path, change(holds()))[0] == 2
+    message = capsys.readouterr().err.strip()
+    assert "\n" not in message
+    assert told in message
+    assert "log.csv" in message
+    assert not (tmp_path / "out").exists()
