@@ -11,9 +11,10 @@ from gravcomp.robot.parameters import load_parameters
 
 _HEADER = """# Table 2 of the paper, repeated
 
-Written by `gravcomp table2 --seed {seed}`, in {seconds:.0f} s of processor time on one core. Errors are in percent of the
-measured force, 100 |E|/|F_exp| per pose, maximum and average over {test} test poses at each torsion that no fit has seen. "Paper" is
-printed in the paper; the other columns are ours, for two ways of approaching a pose.
+Written by `gravcomp table2 --seed {seed}`, in {seconds:.0f} s of processor time on one core. Errors are in percent of
+the measured force, 100 |E|/|F_exp| per pose, maximum and average over {test} test poses at each torsion that no fit has
+seen. "paper" is printed in the paper; the other columns are ours, for two ways of approaching a pose: from a random
+side, and always moving outward from home.
 
 """
 _TEXT = """
