@@ -1,5 +1,6 @@
 """Where effects go: constants that make the compensator's model the effect itself, a network that learns the rest."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -82,6 +83,16 @@ def test_every_effect_has_one_place(data):
         assert (placed.in_network or placed.nowhere) == [name]
         assert placed.in_network == [name] * (effect_named(name).hardware == "network")
         assert not placed.compensation.corrections_n(data.q, data.v, data.nominal).any()
+
+
+def test_friction_is_whole_at_all_but_the_slowest_speeds(data):
+    slow = replace(data, v=np.where(np.arange(300)[:, None] < 30, 1e-6, 5e-5) * np.sign(data.v))
+    friction = [{"name": "coulomb_friction", "params": DIRECT["coulomb_friction"]}]
+    for case, full in ((data, 1e-4), (slow, 2e-5)):
+        constants = compensation_from_effects(friction, case).compensation
+        np.testing.assert_allclose(constants.v_full_mps, full)
+        np.testing.assert_allclose(constants.v_dead_mps, full / 2)
+        np.testing.assert_allclose(constants.v_max_mps, np.abs(case.v).max())
 
 
 def test_harmonic_that_the_table_cannot_hold_is_refused(data):

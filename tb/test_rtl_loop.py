@@ -14,10 +14,13 @@ import numpy as np
 import pytest
 
 from codes import ROOT, fixed_network, pack, unpack
+from gravcomp.errors import InputError
+from gravcomp.measured.csv_reader import read_measurement
 from gravcomp.measured.loop import (
     RUNS,
     SAMPLES,
     answer_file,
+    check_robot,
     close_loop,
     error_table,
     generated_folder,
@@ -88,6 +91,14 @@ def found_in(data: Measurement, effects: Model, noise_n: np.ndarray) -> SimpleNa
         noise_floor=float(noise_n.std()),
         fit=SimpleNamespace(effects=entries, corrections=[]),
     )
+
+
+def test_loop_refuses_data_of_another_robot(tmp_path):
+    (tmp_path / "log.csv").write_text(
+        "t_s,q1_m,v1_mps,f1_n,fm1_n\n" + "".join(f"{k},{k / 99},1,2,2\n" for k in range(40))
+    )
+    with pytest.raises(InputError, match=r"log[.]csv: not of the robot of"):
+        check_robot(read_measurement(tmp_path / "log.csv", load_parameters()), ROOT / "weights" / "spheiro")
 
 
 @pytest.mark.slow

@@ -8,7 +8,8 @@ from argparse import Namespace
 from pathlib import Path
 
 from gravcomp.commands import diagnose as diagnose_command
-from gravcomp.measured.loop import close_loop, weights_folder
+from gravcomp.measured.csv_reader import read_measurement
+from gravcomp.measured.loop import check_robot, close_loop, weights_folder
 from gravcomp.robot.parameters import load_parameters
 
 
@@ -21,8 +22,10 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    p = load_parameters()
+    check_robot(read_measurement(arguments.data, p), arguments.weights)
     found = diagnose_command.run(Namespace(**vars(arguments), model=None))
-    closed = close_loop(found, arguments.weights, arguments.out, load_parameters(), arguments.seed)
+    closed = close_loop(found, arguments.weights, arguments.out, p, arguments.seed)
     print("\nin hardware:")
     for place, names in (
         ("network, trained again", closed.placement.in_network + closed.corrections),

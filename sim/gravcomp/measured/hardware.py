@@ -22,8 +22,8 @@ from gravcomp.network.compensation_csv import (
 )
 
 DEFAULT_CLOCK_HZ = 100e6
-# Friction is off below and whole above; both well below the speeds of slow motion that it is identified from.
-DEAD_BAND_MPS = (5e-5, 1e-4)
+# Speeds from which on friction is whole; it is zero below half of that. The lower limit is about ten counts a second.
+FULL_FRICTION_MPS = (2e-5, 1e-4)
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,9 @@ def compensation_from_effects(
     """Place effects, each {"name": ..., "params": {...}} as in report.json, found in data of the robot.
 
     Friction that several effects bring adds up. Friction of passive joints becomes what it is on average on each axis
-    in this data; presliding hysteresis the friction that it ends in. Friction beyond the fastest speed of the data is
-    held, as no fit has seen it. Raises InputError for effects that the compensator cannot hold.
+    in this data; presliding hysteresis the friction that it ends in. Friction is whole at all but the slowest 5 % of
+    the speeds, and held beyond the fastest, as no fit has seen it there. Raises InputError for effects that the
+    compensator cannot hold.
     """
     constants, places = no_compensation(data.n_axes), {"compensator": [], "network": [], "none": []}
     for effect in effects:
@@ -53,8 +54,9 @@ def compensation_from_effects(
         if where == "compensator":
             _add(constants, _TO_CONSTANTS[name](params, data))
     if any(getattr(constants, name).any() for name in FRICTION):
-        dead, full = DEAD_BAND_MPS
-        common = {"clock_hz": clock_hz, "v_dead_mps": dead, "v_full_mps": full, "v_max_mps": np.abs(data.v).max()}
+        speeds = np.abs(data.v[data.v != 0])
+        full = np.clip(np.quantile(speeds, 0.05), *FULL_FRICTION_MPS)
+        common = {"clock_hz": clock_hz, "v_dead_mps": full / 2, "v_full_mps": full, "v_max_mps": speeds.max()}
         constants = replace(constants, **{name: np.full(data.n_axes, value) for name, value in common.items()})
     check_compensation(constants, "found effects")
     return Placement(constants, places["compensator"], places["network"], places["none"])

@@ -54,15 +54,20 @@ def answer_file(folder: Path, run: str) -> Path:
     return folder / run / "rtl_mn.npy"
 
 
+def check_robot(data: Measurement, weights: Path) -> None:
+    """Raise InputError unless data are of the built-in robot and the weights have its axes."""
+    n_axes = load_network(weights).n_axes
+    if data.robot is None or n_axes != data.n_axes:
+        raise InputError(f"{data.name}: not of the robot of {weights}; give its positions q1_m .., without fm columns")
+
+
 def close_loop(found: Diagnosis, weights: Path, folder: Path, p: RobotParameters, seed: int) -> Closed:
     """Put what was found into weights and constants; writes before/ and after/ with their ROMs, and samples.npz.
 
-    Empirical corrections that depend on positions alone go into the network too. Raises InputError for data that isn't
-    of the robot of these weights, and for effects that the hardware cannot hold.
+    Empirical corrections that depend on positions alone go into the network too. Raises InputError for effects that
+    the hardware cannot hold.
     """
     network = load_network(weights)
-    if found.data.robot is None or network.n_axes != found.data.n_axes:
-        raise InputError(f"{found.data.name}: not of the robot of {weights}; give its positions q1_m .., no fm columns")
     effects = [{"name": entry.name, "params": entry.parameters} for entry in found.fit.effects]
     placement = compensation_from_effects(effects, found.data)
     corrections = [entry for entry in found.fit.corrections if is_of_position(entry.term.source)]
