@@ -35,10 +35,12 @@ async def stream(
     spacing: int = 1,
     gap_probability: float = 0.0,
     rng: np.random.Generator | None = None,
+    holds: bool = False,
     flush_clocks: int = 64,
 ) -> Recording:
-    """Offer the inputs in order, spacing or more clocks apart, with random gaps; record until flush_clocks after the last.
+    """Offer the inputs in order, spacing or more clocks apart, with random gaps; record flush_clocks beyond the last.
 
+    Between inputs the data ports carry other ones of the list, unless holds: nothing may look at them without in_valid.
     Honours in_ready where the entity has one. An output clock is one in which out_valid was high, an input clock the
     one at whose end the entity takes the input.
     """
@@ -55,17 +57,36 @@ async def stream(
             position < len(inputs) and clock >= next_free and not (gap_probability and rng.random() < gap_probability)
         )
         dut.in_valid.value = int(offers)
-        if offers:
-            for name, value in inputs[position].items():
+        if offers or not holds:
+            for name, value in inputs[position if offers else -1 - position % len(inputs)].items():
                 getattr(dut, name).value = value
-            if not has_ready or dut.in_ready.value == 1:
-                recording.accepted.append(clock)
-                position += 1
-                next_free = clock + spacing
+        if offers and (not has_ready or dut.in_ready.value == 1):
+            recording.accepted.append(clock)
+            position += 1
+            next_free = clock + spacing
         idle = idle + 1 if position == len(inputs) else 0
         clock += 1
         await FallingEdge(dut.clk)
     return recording
+
+
+async def after_resets(dut, inputs, outputs, clocks_before: Sequence[int], **options) -> list[Recording]:
+    """The recordings of the inputs, streamed anew after each of several resets in mid-stream.
+
+    A reset lasts one clock, with in_valid, after clocks_before clocks of the stream: what was under way, and what came
+    with the reset, must not show up in a recording. options: those of stream.
+    """
+    recordings, spacing = [], options.get("spacing", 1)
+    for n_clocks in clocks_before:
+        for clock in range(n_clocks + 1):
+            dut.in_valid.value = int(clock == n_clocks or clock % spacing == 0)
+            dut.rst.value = int(clock == n_clocks)
+            for name, value in inputs[clock // spacing % len(inputs)].items():
+                getattr(dut, name).value = value
+            await FallingEdge(dut.clk)
+        dut.rst.value = 0
+        recordings.append(await stream(dut, inputs, outputs, **options))
+    return recordings
 
 
 def latencies(recording: Recording) -> set[int]:

@@ -8,7 +8,7 @@ from codes import pack, unpack
 from gravcomp.network.bittrue import activation
 from gravcomp.network.quantise import OPERAND_BITS
 from runner import simulate
-from stream import latencies, start, stream
+from stream import after_resets, latencies, start, stream
 
 CODES = np.arange(-(2 ** (OPERAND_BITS - 1)), 2 ** (OPERAND_BITS - 1))
 
@@ -21,6 +21,18 @@ async def every_code(dut):
     assert latencies(got) == {3}
 
 
+@cocotb.test()
+async def reset_in_mid_stream(dut):
+    codes = np.array([1000, 2000, 3000])
+    await start(dut)
+    for got in await after_resets(dut, [{"in_a": int(a)} for a in codes], ["out_h"], range(1, 6), flush_clocks=8):
+        np.testing.assert_array_equal(got.outputs["out_h"], activation(codes))
+
+
 @pytest.mark.slow
 def test_activation_equals_model_for_every_code():
-    simulate("gc_activation", "test_rtl_activation")
+    simulate("gc_activation", "test_rtl_activation", tests="every_code")
+
+
+def test_activation_forgets_what_is_under_way_at_a_reset():
+    simulate("gc_activation", "test_rtl_activation", tests="reset_in_mid_stream", label="reset")

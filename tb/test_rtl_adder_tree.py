@@ -8,7 +8,7 @@ import pytest
 
 from codes import corners_and_random, pack, unpack
 from runner import simulate
-from stream import latencies, start, stream
+from stream import after_resets, latencies, start, stream
 
 BITS = 24
 
@@ -23,6 +23,14 @@ async def sum_is_exact(dut):
     got = await stream(dut, [{"in_terms": pack(row, BITS)} for row in terms], ["out_sum"], gap_probability=0.3, rng=rng)
     np.testing.assert_array_equal(unpack(got.outputs["out_sum"], BITS, 1)[:, 0], terms.sum(axis=1))
     assert latencies(got) == {int(np.ceil(np.log2(n_terms)))}
+
+
+@cocotb.test()
+async def reset_in_mid_stream(dut):
+    await start(dut)
+    inputs = [{"in_terms": pack([k, 1], BITS)} for k in range(3)]
+    for got in await after_resets(dut, inputs, ["out_sum"], range(1, 7)):
+        assert got.outputs["out_sum"] == [1, 2, 3]
 
 
 @pytest.mark.parametrize("n_terms", [2, 3, 4, 5, 20])

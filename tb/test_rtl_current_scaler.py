@@ -8,7 +8,7 @@ from gravcomp.network.bittrue import current_scaler
 from gravcomp.network.quantise import CURRENT_BITS, FORCE_BITS
 from gravcomp.robot.parameters import load_parameters
 from runner import simulate
-from stream import latencies, start, stream
+from stream import after_resets, latencies, start, stream
 
 
 @cocotb.test()
@@ -24,6 +24,17 @@ async def random_forces(dut):
     exact_ua = force_mn * 1000.0 / load_parameters().thrust_constant_n_per_a
     constant_error = 0.5 / fixed.current_scale  # the factor is rounded to its last bit
     assert (np.abs(current_ua - exact_ua) <= 0.5 + np.abs(exact_ua) * constant_error).all()
+
+
+@cocotb.test()
+async def reset_in_mid_stream(dut):
+    fixed = fixed_network()
+    force_mn = 1000 * np.arange(1, 3 * fixed.n_axes + 1).reshape(3, fixed.n_axes)
+    inputs = [{"in_force": pack(row, FORCE_BITS)} for row in force_mn]
+    await start(dut)
+    for got in await after_resets(dut, inputs, ["out_current"], range(1, 6), flush_clocks=8):
+        current_ua = unpack(got.outputs["out_current"], CURRENT_BITS, fixed.n_axes)
+        np.testing.assert_array_equal(current_ua, current_scaler(force_mn, fixed))
 
 
 def test_current_scaler_equals_model():

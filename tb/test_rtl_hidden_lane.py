@@ -10,7 +10,7 @@ from codes import corners_and_random, fixed_network, pack, unpack
 from gravcomp.network.bittrue import hidden_lane
 from gravcomp.network.quantise import OPERAND_BITS
 from runner import simulate
-from stream import latencies, start, stream
+from stream import after_resets, latencies, start, stream
 
 
 @cocotb.test()
@@ -25,6 +25,18 @@ async def neurons_in_turn(dut):
     np.testing.assert_array_equal(unpack(got.outputs["out_a"], OPERAND_BITS, 1)[:, 0], expected)
     assert np.abs(expected).max() > 2 ** (OPERAND_BITS - 1) - 2, "no pre-activation saturated: the test is too tame"
     assert latencies(got) == {5}
+
+
+@cocotb.test()
+async def reset_in_mid_stream(dut):
+    fixed, lanes, lane = fixed_network(), int(os.environ["LANES_G"]), int(os.environ["LANE_G"])
+    steps = fixed.n_hidden // lanes
+    x = 1000 * np.arange(1, fixed.n_axes + 1)
+    inputs = [{"in_x": pack(x, OPERAND_BITS)}] * steps
+    await start(dut)
+    for got in await after_resets(dut, inputs, ["out_a"], range(1, 8), flush_clocks=16):
+        a = unpack(got.outputs["out_a"], OPERAND_BITS, 1)[:, 0]
+        np.testing.assert_array_equal(a, hidden_lane(x, fixed)[lane::lanes])
 
 
 @pytest.mark.parametrize(("lanes", "lane"), [(1, 0), (4, 3), (5, 2), (10, 7)])

@@ -10,7 +10,7 @@ from codes import corners_and_random, fixed_network, pack, unpack
 from gravcomp.network.bittrue import input_scaler
 from gravcomp.network.quantise import COUNT_BITS, OPERAND_BITS
 from runner import simulate
-from stream import latencies, start, stream
+from stream import after_resets, latencies, start, stream
 
 
 @cocotb.test()
@@ -33,6 +33,19 @@ async def corners_and_random_counts(dut):
     np.testing.assert_array_equal(unpack(got.outputs["out_x"], OPERAND_BITS, n), x)
     np.testing.assert_array_equal(unpack(got.outputs["out_clamped"], 1, n) != 0, is_clamped)
     assert latencies(got) == {n + 3 if is_serial else 3}
+    assert int(dut.out_x.value) == got.outputs["out_x"][-1], "the result did not hold"
+
+
+@cocotb.test()
+async def reset_in_mid_stream(dut):
+    fixed, is_serial = fixed_network(), os.environ["SERIAL_G"] == "true"
+    n = fixed.n_axes
+    values = 1000 * np.arange(1, 3 * n + 1).reshape(3, n)
+    inputs = [{"in_count": pack(row, COUNT_BITS)} for row in values]
+    options = {"spacing": n if is_serial else 1, "flush_clocks": 16}
+    await start(dut)
+    for got in await after_resets(dut, inputs, ["out_x"], range(1, 2 * n + 5), **options):
+        np.testing.assert_array_equal(unpack(got.outputs["out_x"], OPERAND_BITS, n), input_scaler(values, fixed)[0])
 
 
 @pytest.mark.parametrize("serial", ["false", "true"])

@@ -8,7 +8,7 @@ import pytest
 
 from codes import corners_and_random, pack, unpack
 from runner import simulate
-from stream import latencies, start, stream
+from stream import after_resets, latencies, start, stream
 
 
 @cocotb.test()
@@ -22,6 +22,14 @@ async def product_is_exact(dut):
     got = await stream(dut, inputs, ["out_product"], gap_probability=0.3, rng=rng)
     np.testing.assert_array_equal(unpack(got.outputs["out_product"], a_bits + b_bits, 1), a * b)
     assert latencies(got) == {2}
+    assert int(dut.out_product.value) == got.outputs["out_product"][-1], "the product did not hold"
+
+
+@cocotb.test()
+async def reset_in_mid_stream(dut):
+    await start(dut)
+    for got in await after_resets(dut, [{"in_a": 1, "in_b": b} for b in (1, 2)], ["out_product"], range(1, 4)):
+        assert got.outputs["out_product"] == [1, 2]
 
 
 @pytest.mark.parametrize(("a_bits", "b_bits"), [(18, 18), (24, 18), (2, 3)])

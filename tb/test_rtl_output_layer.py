@@ -10,7 +10,7 @@ from codes import corners_and_random, fixed_network, pack, unpack
 from gravcomp.network.bittrue import output_layer
 from gravcomp.network.quantise import OPERAND_BITS
 from runner import simulate
-from stream import start, stream
+from stream import after_resets, start, stream
 
 
 @cocotb.test()
@@ -26,6 +26,18 @@ async def sums_of_random_activations(dut):
     last_of_inference = got.accepted[steps - 1 :: steps]
     delays = {out - last for last, out in zip(last_of_inference, got.valid, strict=True)}
     assert delays == {3 + int(np.ceil(np.log2(lanes)))}
+    assert int(dut.out_total.value) == got.outputs["out_total"][-1], "the sums did not hold"
+
+
+@cocotb.test()
+async def reset_in_mid_stream(dut):
+    fixed, lanes = fixed_network(), int(os.environ["LANES_G"])
+    h = 1000 * np.arange(1, fixed.n_hidden + 1)
+    inputs = [{"in_h": pack(row, OPERAND_BITS)} for row in h.reshape(-1, lanes)]
+    await start(dut)
+    for got in await after_resets(dut, inputs, ["out_total"], range(1, len(inputs) + 6), flush_clocks=16):
+        totals = unpack(got.outputs["out_total"], fixed.output_sum_bits, fixed.n_axes)
+        np.testing.assert_array_equal(totals, [output_layer(h, fixed)])
 
 
 @pytest.mark.parametrize("lanes", [1, 2, 4, 5, 10, 20])

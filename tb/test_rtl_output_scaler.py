@@ -10,7 +10,7 @@ from codes import corners_and_random, fixed_network, pack, unpack
 from gravcomp.network.bittrue import output_scaler
 from gravcomp.network.quantise import FORCE_BITS, OPERAND_BITS
 from runner import simulate
-from stream import latencies, start, stream
+from stream import after_resets, latencies, start, stream
 
 
 @cocotb.test()
@@ -37,6 +37,19 @@ async def sums_inside_and_beyond(dut):
     assert is_saturated.any()
     assert not is_saturated.all()
     assert latencies(got) == {n + 3 if is_serial else 3}
+    assert int(dut.out_force.value) == got.outputs["out_force"][-1], "the result did not hold"
+
+
+@cocotb.test()
+async def reset_in_mid_stream(dut):
+    fixed, is_serial = fixed_network(), os.environ["SERIAL_G"] == "true"
+    n = fixed.n_axes
+    values = 1000 * np.arange(1, 3 * n + 1).reshape(3, n)
+    inputs = [{"in_total": pack(row, fixed.output_sum_bits)} for row in values]
+    options = {"spacing": n if is_serial else 1, "flush_clocks": 16}
+    await start(dut)
+    for got in await after_resets(dut, inputs, ["out_force"], range(1, 2 * n + 5), **options):
+        np.testing.assert_array_equal(unpack(got.outputs["out_force"], FORCE_BITS, n), output_scaler(values, fixed)[0])
 
 
 @pytest.mark.parametrize("serial", ["false", "true"])

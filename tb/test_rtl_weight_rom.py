@@ -1,4 +1,4 @@
-"""gc_weight_rom: the words of a lane in turn, the next one ready beside in_valid; word 0 after the last, after reset."""
+"""gc_weight_rom: the words of a lane in turn, the next ready beside in_valid; word 0 after the last and after reset."""
 
 import os
 
