@@ -1,7 +1,7 @@
 """Reads the measured CSV: time, positions, velocities, efforts, temperature, predictions of the user's own model.
 
 Columns: ``t_s``; per axis i ``q{i}_m`` or ``q{i}_rad``; optional ``v{i}_mps`` or ``v{i}_radps``; ``f{i}_n``,
-``f{i}_nm`` or ``i{i}_a``; optional ``temp_c``; optional ``fm{i}_n``, ``fm{i}_nm`` or ``fm{i}_a``. Comments start with #.
+``f{i}_nm`` or ``i{i}_a``; optional ``temp_c``; optional ``fm{i}_n``, ``fm{i}_nm`` or ``fm{i}_a``. # is a comment.
 """
 
 import re
