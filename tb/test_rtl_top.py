@@ -85,12 +85,28 @@ class Bench:
         await self.clocks(1)
         self.dut.in_valid.value = 0
         await self.until(lambda: self.dut.out_valid.value == 1, INFERENCE_CLOCKS)
-        outputs = (self.dut.out_force, self.dut.out_current, self.dut.out_clamped, self.dut.out_saturated)
-        return [count, *(int(port.value) for port in outputs)]
+        return [count, *self.outputs()]
+
+    def outputs(self) -> list[int]:
+        """Packed force, current and flags."""
+        ports = (self.dut.out_force, self.dut.out_current, self.dut.out_clamped, self.dut.out_saturated)
+        return [int(port.value) for port in ports]
+
+    async def infer_all_along(self, n_clocks: int) -> list[list[int]]:
+        """Infer whenever the core is ready, for so many clocks, then wait for the last result; as infer, a row each."""
+        counts, outputs = [], []
+        for k in range(n_clocks + INFERENCE_CLOCKS):
+            self.dut.in_valid.value = int(k < n_clocks)
+            if k < n_clocks and self.dut.in_ready.value == 1:
+                counts.append(int(self.dut.sts_count.value))
+            await self.clocks(1)
+            if self.dut.out_valid.value == 1:
+                outputs.append(self.outputs())
+        return [[count, *row] for count, row in zip(counts, outputs, strict=True)]
 
 
-def check_and_save(name: str, sets: list[str], counts: np.ndarray, answers: list[list[int]]) -> None:
-    """Assert that every answer equals the bit-true model, then write build/sim/<name>.csv."""
+def check(counts: np.ndarray, answers: list[list[int]]) -> np.ndarray:
+    """Assert that every answer equals the bit-true model; returns the forces, mN."""
     fixed, n = fixed_network(), counts.shape[1]
     count, force, current, clamped, saturated = (list(column) for column in zip(*answers, strict=True))
     np.testing.assert_array_equal(unpack(count, COUNT_BITS, n), counts)
@@ -100,6 +116,12 @@ def check_and_save(name: str, sets: list[str], counts: np.ndarray, answers: list
     np.testing.assert_array_equal(unpack(current, CURRENT_BITS, n), bittrue.current_scaler(expected.force_mn, fixed))
     np.testing.assert_array_equal(unpack(clamped, 1, n) != 0, expected.clamped)
     np.testing.assert_array_equal(unpack(saturated, 1, n) != 0, expected.saturated)
+    return force_mn
+
+
+def check_and_save(name: str, sets: list[str], counts: np.ndarray, answers: list[list[int]]) -> None:
+    """Assert that every answer equals the bit-true model, then write build/sim/<name>.csv."""
+    force_mn, n = check(counts, answers), counts.shape[1]
     RESULTS.mkdir(parents=True, exist_ok=True)
     with (RESULTS / f"{name}.csv").open("w", newline="") as file:
         writer = csv.writer(file)
@@ -141,6 +163,29 @@ async def continuous_motion(dut):
     check_and_save(name, [name] * n_poses, counts, answers)
 
 
+@cocotb.test()
+async def end_of_the_trained_range(dut):
+    """Results follow each other while axes cross the end of their range: each has the flags of its own counts."""
+    fixed, bench = fixed_network(), Bench(dut)
+    n = fixed.n_axes
+    await bench.start()
+    await bench.home_near(fixed.count_high - 4 * np.arange(1, n + 1))
+    dut.target.value = pack(fixed.count_high + 2, COUNT_BITS)
+    answers = await bench.infer_all_along(90)
+    counts = unpack([row[0] for row in answers], COUNT_BITS, n)
+    check(counts, answers)
+    assert len(np.unique((counts > fixed.count_high).sum(axis=1))) > 2, "the axes did not cross one after the other"
+    dut.in_valid.value = 1
+    await bench.clocks(30)
+    dut.rst.value = 1
+    await bench.clocks(1)
+    dut.rst.value = 0
+    assert dut.in_ready.value == 0, "ready before the decoders have counts"
+    assert bench.outputs() == [0, 0, 0, 0]
+    answers = await bench.infer_all_along(30)
+    check(unpack([row[0] for row in answers], COUNT_BITS, n), answers)
+
+
 def simulate_top(cocotb_test: str, **options) -> None:
     simulate(
         "gc_top_bench",
@@ -161,6 +206,10 @@ def test_top_equals_model_at_poses_of_the_workspace():
 def test_top_follows_a_continuous_motion_without_losing_a_count():
     environment = {"RUN": "motion", "POSES": "200", "START_S": "0"}
     simulate_top("continuous_motion", generics={"lanes_g": 1}, environment=environment)
+
+
+def test_top_flags_the_counts_they_belong_to_and_forgets_all_at_a_reset():
+    simulate_top("end_of_the_trained_range", generics={"lanes_g": 4})
 
 
 def test_top_leaves_a_waveform_of_a_short_motion():
