@@ -38,7 +38,7 @@ NETWORK = load_network("weights/spheiro")
 
 @pytest.fixture(scope="module")
 def table():
-    return table2(P, NETWORK, 3, Sizes(training=60, test=40, motion=100, retraining=200))
+    return table2(P, NETWORK, 3, Sizes(training=60, test=30, motion=50, retraining=120))
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +133,7 @@ def test_friction_that_the_compensator_has_is_reduced_to_its_own_constants():
 
 def test_core_holds_the_statics_without_effects_and_adds_friction_with_them(outward):
     friction = Entry(Term(CoulombFriction(), ("fc_1",)), {"fc_1": 1.5}, {}, 0.0)
-    plain, rubbing = (build_core(Fit(list(e), []), outward, NETWORK, P, 200, 7) for e in ((), (friction,)))
+    plain, rubbing = (build_core(Fit(list(e), []), outward, NETWORK, P, 150, 7) for e in ((), (friction,)))
     assert isinstance(plain, FieldCore)
     assert rms(plain.forces(outward) - outward.nominal) < 0.3
     added = rubbing.forces(outward) - plain.forces(outward)
