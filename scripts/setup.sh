@@ -7,7 +7,10 @@ cd "$(dirname "$0")/.."
 install_packages() {
     command -v apt-get >/dev/null || { echo "setup: need $*, and there is no apt-get; install them by hand" >&2; exit 2; }
     as_root=
-    [ "$(id -u)" -eq 0 ] || as_root=sudo
+    if [ "$(id -u)" -ne 0 ]; then
+        command -v sudo >/dev/null || { echo "setup: need $*, and there is no sudo; install them as root" >&2; exit 2; }
+        as_root=sudo
+    fi
     $as_root apt-get update
     $as_root apt-get install --yes --no-install-recommends "$@"
 }
