@@ -1,12 +1,13 @@
 # Everything runs from here; `make` alone lists the targets. The first `make sim` or `make test` installs what it needs.
 
 WEIGHTS ?= weights/spheiro
+DATA ?= data/prototype.csv
 RUN := .venv/bin
 PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim test test-fast train table1 rom budget latency formats docs lint clean
+.PHONY: help setup sim test test-fast train table1 rom budget latency formats docs loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -46,12 +47,23 @@ formats: setup ## what every signal of the core can hold over all counts; fixed 
 	@$(RUN)/gravcomp formats --weights $(WEIGHTS)
 
 docs: sim latency budget ## docs/results.md and its pictures, from fresh runs
-	@{ echo "# Results"; echo; echo "Written by \`make docs\`."; \
+	@set -e; { echo "# Results"; echo; echo "Written by \`make docs\`."; \
 	   echo; echo "## End to end"; echo; $(RUN)/gravcomp sim-report --weights $(WEIGHTS) --pictures docs/figures; \
 	   echo; echo "## Interval and latency"; echo; $(RUN)/gravcomp latency; \
 	   echo; echo "## Operations"; echo; $(RUN)/gravcomp budget; \
 	   echo; echo "## Fixed point"; echo; $(RUN)/gravcomp formats --weights $(WEIGHTS); } >build/results.md
 	@mv build/results.md docs/results.md
+
+loop: setup ## close the loop with measured data: DATA=log.csv; diagnosis, retraining, ROM, RTL, error before and after
+	@$(RUN)/gravcomp loop $(DATA) --weights $(WEIGHTS) --out build/loop
+	@LOOP=build/loop $(PYTEST) -v tb/test_rtl_loop.py -k held_out
+	@$(RUN)/gravcomp loop-report --loop build/loop
+
+blind: setup ## tally of the diagnosis on data sets drawn by seed; docs/blind.md
+	@$(RUN)/gravcomp blind --jobs 2 --docs docs
+
+table2: setup ## the paper's Table 2 on the virtual prototype; docs/table2.md
+	@$(RUN)/gravcomp table2
 
 lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
 	@$(RUN)/ruff check . && $(RUN)/ruff format --check .
