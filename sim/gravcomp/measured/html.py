@@ -67,7 +67,7 @@ def _figure(d: Diagnosis, axis: int) -> str:
         panel.set_xlabel(_axis_label(d, name))
         panel.axhline(0.0, color="k", lw=0.5)
     figure.axes[0].set_ylabel(f"residual of axis {axis + 1}, {d.data.unit} (held out)")
-    figure.axes[0].legend(loc="upper right", markerscale=5)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=2, markerscale=5)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=90)
     return base64.b64encode(stream.getvalue()).decode()

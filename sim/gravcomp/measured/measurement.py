@@ -59,7 +59,7 @@ class Measurement:
         if np.count_nonzero(moving) < 8:
             return np.zeros(self.shape)
         v = self.v[moving]
-        noise = np.median(np.abs(np.diff(v, 2, axis=0)), axis=0) / 0.6745 / np.sqrt(6.0)
+        noise = np.median(np.abs(np.diff(v, 4, axis=0)), axis=0) / 0.6745 / np.sqrt(70.0)
         return np.minimum(3.0 * noise, _DEAD_BAND_CAP * np.quantile(np.abs(v), 0.95, axis=0)) * moving[:, None]
 
     @cached_property

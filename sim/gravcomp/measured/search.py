@@ -82,7 +82,8 @@ class Evidence:
             self.cross[i][index] = xw.T @ residual[:, i]
             self.energy[i] = w @ residual[:, i] ** 2
             scale[index] += np.einsum("nk,nk->k", xw, x) / variance[i]
-        self.scale = 1.0 / np.sqrt(np.maximum(scale, 1e-300))
+        self.scale = np.zeros(n_columns)
+        np.divide(1.0, np.sqrt(scale), out=self.scale, where=scale > 0.0)
         self.floor = 1e-12 * np.maximum(self.energy, 1e-300) / independent
         self.is_physics_whole = False
         self._cache: dict[frozenset, float] = {}

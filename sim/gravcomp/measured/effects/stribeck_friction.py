@@ -21,10 +21,10 @@ class StribeckFriction(Effect):
 
     def shapes(self, data):
         speed = np.quantile(np.abs(data.v), [0.5, 0.95], axis=0)
-        if (speed[1] < 1.05 * speed[0]).all():
+        if (speed[1] <= 1.05 * speed[0]).all():
             return []
         fractions = (0.05, 0.1, 0.17, 0.27, 0.4, 0.6, 0.9)
-        return [{f"vs_{i + 1}": f * speed[1, i] for i in range(data.n_axes)} for f in fractions]
+        return [{f"vs_{i + 1}": float(f * max(speed[1, i], 1e-9)) for i in range(data.n_axes)} for f in fractions]
 
     def columns(self, data, shape):
         out = {}
