@@ -33,6 +33,8 @@ def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = _MAX_LINES) -> lis
     n = len(r)
     limit = min(_MAX_CYCLES, n / 3)
     x = np.broadcast_to(np.atleast_2d(x.T).T, r.shape)
+    if not np.ptp(x, axis=0).all():
+        return []
     rest, lines = _without_trend(x, r), []
     for _ in range(max_lines):
         f, power = spectrum(x, rest, limit)
