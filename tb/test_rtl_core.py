@@ -89,6 +89,7 @@ async def reset_in_mid_stream(dut):
         dut.rst.value = 1
         await FallingEdge(dut.clk)
         assert dut.out_valid.value == 0
+        assert dut.in_ready.value == 1
         dut.rst.value = 0
         counts = draw_counts(3, rng)
         got = await stream(dut, inputs_of(counts), OUTPUTS)

@@ -44,7 +44,7 @@ async def sums_inside_and_beyond(dut):
 async def reset_in_mid_stream(dut):
     fixed, is_serial = fixed_network(), os.environ["SERIAL_G"] == "true"
     n = fixed.n_axes
-    values = 1000 * np.arange(1, 3 * n + 1).reshape(3, n)
+    values = 1000 * np.arange(1, 3 * n + 1).reshape(3, n) << fixed.output_drop
     inputs = [{"in_total": pack(row, fixed.output_sum_bits)} for row in values]
     options = {"spacing": n if is_serial else 1, "flush_clocks": 16}
     await start(dut)
