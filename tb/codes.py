@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from gravcomp.network.compensation import FixedCompensation, quantise_compensation
+from gravcomp.network.compensation_csv import load_compensation
 from gravcomp.network.quantise import FixedNetwork, quantise
 from gravcomp.network.weights import load_network
 from gravcomp.robot.parameters import load_parameters
@@ -13,9 +15,21 @@ from gravcomp.robot.parameters import load_parameters
 ROOT = Path(__file__).resolve().parents[1]
 
 
+def weights_under_test() -> Path:
+    """The weights folder that the ROM under test was made from: weights/spheiro, or the one in WEIGHTS."""
+    return ROOT / os.environ.get("WEIGHTS", "weights/spheiro")
+
+
 def fixed_network() -> FixedNetwork:
-    """The network that the ROM under test was made from: weights/spheiro, or the folder in WEIGHTS."""
-    return quantise(load_network(ROOT / os.environ.get("WEIGHTS", "weights/spheiro")), load_parameters())
+    """The network under test as the hardware holds it."""
+    return quantise(load_network(weights_under_test()), load_parameters())
+
+
+def fixed_compensation() -> FixedCompensation:
+    """The compensator's tables under test as the hardware holds them."""
+    folder = weights_under_test()
+    constants = load_compensation(folder, fixed_network().n_axes)
+    return quantise_compensation(constants, load_parameters(), folder)
 
 
 def pack(values: Iterable[int], bits: int) -> int:

@@ -14,8 +14,10 @@ import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
-from codes import fixed_network, pack, unpack
+from codes import fixed_compensation, fixed_network, pack, unpack
+from compensated import compensated_weights
 from gravcomp.network import bittrue
+from gravcomp.network.compensation import compensator
 from gravcomp.network.quantise import COUNT_BITS, CURRENT_BITS, FORCE_BITS
 from gravcomp.proof.poses import motion, pose_sets
 from gravcomp.robot.parameters import load_parameters
@@ -27,6 +29,7 @@ CLOCKS_PER_PERIOD = 600  # of 1 ms: the slowest clock that keeps up with the edg
 CLOCK_NS = 2 * round(1e6 / CLOCKS_PER_PERIOD / 2)
 TRAVEL_CLOCKS = 1000  # the longest way between two poses here
 INFERENCE_CLOCKS = 100
+CLOCKS_BEHIND_CORE = 16  # from the forces of gc_core, beside which the compensator takes the speed, to the result
 LATENCY_CLOCKS = 45  # of gc_top with 2 lanes or more, with some to spare
 DECODER_CLOCKS = 12  # synchroniser, filter and count, with some to spare
 
@@ -79,14 +82,18 @@ class Bench:
         await self.clocks(DECODER_CLOCKS)
 
     async def infer(self) -> list[int]:
-        """Run one inference; returns the packed count, force, current and flags."""
+        """Run one inference; returns the packed count, speed period, force, current and flags."""
         self.dut.in_valid.value = 1
         assert self.dut.in_ready.value == 1
         count = int(self.dut.sts_count.value)
         await self.clocks(1)
         self.dut.in_valid.value = 0
-        await self.until(lambda: self.dut.out_valid.value == 1, INFERENCE_CLOCKS)
-        return [count, *self.outputs()]
+        periods = []
+        while self.dut.out_valid.value != 1:
+            assert len(periods) < INFERENCE_CLOCKS, f"no result in {INFERENCE_CLOCKS} clocks"
+            periods.append(int(self.dut.sts_speed_period.value))
+            await self.clocks(1)
+        return [count, periods[-CLOCKS_BEHIND_CORE], *self.outputs()]
 
     def outputs(self) -> list[int]:
         """Packed force, current and flags."""
@@ -94,7 +101,10 @@ class Bench:
         return [int(port.value) for port in ports]
 
     async def infer_all_along(self, n_clocks: int) -> list[list[int]]:
-        """Infer whenever the core is ready, for so many clocks, then wait for the last result; as infer, a row each."""
+        """Infer whenever the core is ready, for so many clocks, then wait for the last result; as infer, a row each.
+
+        For weights without compensation: which speed goes with which result is not recorded.
+        """
         counts, outputs = [], []
         for k in range(n_clocks + LATENCY_CLOCKS):
             self.dut.in_valid.value = int(k < n_clocks)
@@ -103,20 +113,21 @@ class Bench:
             await self.clocks(1)
             if self.dut.out_valid.value == 1:
                 outputs.append(self.outputs())
-        return [[count, *row] for count, row in zip(counts, outputs, strict=True)]
+        return [[count, 0, *row] for count, row in zip(counts, outputs, strict=True)]
 
 
 def check(counts: np.ndarray, answers: list[list[int]]) -> np.ndarray:
     """Assert that every answer equals the bit-true model; returns the forces, mN."""
     fixed, n = fixed_network(), counts.shape[1]
-    count, force, current, clamped, saturated = (list(column) for column in zip(*answers, strict=True))
+    count, period, force, current, clamped, saturated = (list(column) for column in zip(*answers, strict=True))
     np.testing.assert_array_equal(unpack(count, COUNT_BITS, n), counts)
     expected = bittrue.core(counts, fixed)
+    expected_mn, is_unfit = compensator(expected.force_mn, counts, unpack(period, 32, n), fixed_compensation())
     force_mn = unpack(force, FORCE_BITS, n)
-    np.testing.assert_array_equal(force_mn, expected.force_mn)
-    np.testing.assert_array_equal(unpack(current, CURRENT_BITS, n), bittrue.current_scaler(expected.force_mn, fixed))
+    np.testing.assert_array_equal(force_mn, expected_mn)
+    np.testing.assert_array_equal(unpack(current, CURRENT_BITS, n), bittrue.current_scaler(expected_mn, fixed))
     np.testing.assert_array_equal(unpack(clamped, 1, n) != 0, expected.clamped)
-    np.testing.assert_array_equal(unpack(saturated, 1, n) != 0, expected.saturated)
+    np.testing.assert_array_equal(unpack(saturated, 1, n) != 0, expected.saturated | is_unfit)
     return force_mn
 
 
@@ -211,6 +222,18 @@ def test_top_follows_a_continuous_motion_without_losing_a_count():
 
 def test_top_flags_the_counts_they_belong_to_and_forgets_all_at_a_reset():
     simulate_top("end_of_the_trained_range", generics={"lanes_g": 20})  # a result per clock: no flag may be late
+
+
+def test_top_with_a_compensator_follows_a_short_motion(tmp_path):
+    folder = compensated_weights(tmp_path)
+    environment = {"RUN": "compensated", "POSES": "4", "START_S": "0.18", "WEIGHTS": str(folder)}
+    simulate_top(
+        "continuous_motion",
+        label="compensated",
+        generics={"lanes_g": 4},
+        environment=environment,
+        generated=folder / "generated",
+    )
 
 
 def test_top_leaves_a_waveform_of_a_short_motion():

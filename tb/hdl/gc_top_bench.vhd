@@ -14,26 +14,27 @@ entity gc_top_bench is
     lanes_g : positive := 4
   );
   port (
-    clk             : in    std_ulogic;
-    rst             : in    std_ulogic;
+    clk              : in    std_ulogic;
+    rst              : in    std_ulogic;
     -- Position of each axis to walk to and of its index, counts, axis 1 lowest; see gc_encoder_model.
-    target          : in    signed(inputs_c * 32 - 1 downto 0);
-    index_count     : in    signed(inputs_c * 32 - 1 downto 0);
-    load            : in    std_ulogic;
-    clocks_per_edge : in    unsigned(15 downto 0);
-    busy            : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    home_enable     : in    std_ulogic;
-    in_valid        : in    std_ulogic;
-    in_ready        : out   std_ulogic;
-    out_valid       : out   std_ulogic;
-    out_force       : out   signed(outputs_c * force_bits_c - 1 downto 0);
-    out_current     : out   signed(outputs_c * current_bits_c - 1 downto 0);
-    out_clamped     : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    out_saturated   : out   std_ulogic_vector(outputs_c - 1 downto 0);
-    sts_count       : out   signed(inputs_c * count_bits_c - 1 downto 0);
-    sts_referenced  : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    sts_illegal     : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    sts_glitch      : out   std_ulogic_vector(inputs_c - 1 downto 0)
+    target           : in    signed(inputs_c * 32 - 1 downto 0);
+    index_count      : in    signed(inputs_c * 32 - 1 downto 0);
+    load             : in    std_ulogic;
+    clocks_per_edge  : in    unsigned(15 downto 0);
+    busy             : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    home_enable      : in    std_ulogic;
+    in_valid         : in    std_ulogic;
+    in_ready         : out   std_ulogic;
+    out_valid        : out   std_ulogic;
+    out_force        : out   signed(outputs_c * force_bits_c - 1 downto 0);
+    out_current      : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    out_clamped      : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    out_saturated    : out   std_ulogic_vector(outputs_c - 1 downto 0);
+    sts_count        : out   signed(inputs_c * count_bits_c - 1 downto 0);
+    sts_speed_period : out   signed(inputs_c * 32 - 1 downto 0);
+    sts_referenced   : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_illegal      : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_glitch       : out   std_ulogic_vector(inputs_c - 1 downto 0)
   );
 end entity gc_top_bench;
 
@@ -87,7 +88,7 @@ begin
       out_saturated      => out_saturated,
       sts_count          => sts_count,
       sts_direction      => open,
-      sts_speed_period   => open,
+      sts_speed_period   => sts_speed_period,
       sts_speed_valid    => open,
       sts_speed_zero     => open,
       sts_referenced     => sts_referenced,
