@@ -85,7 +85,7 @@ async def transparent(dut):
 
 async def added_mn(bench: Bench) -> np.ndarray:
     """One inference: what the top adds to the network's forces, mN."""
-    count, force, *_ = await bench.infer()
+    count, _, force, *_ = await bench.infer()
     network = bittrue.core(unpack([count], COUNT_BITS, N_AXES)[0], fixed_network()).force_mn
     return unpack([force], FORCE_BITS, N_AXES)[0] - network
 
