@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from gravcomp.files import write_atomically
+from gravcomp.files import write_all_atomically
 from gravcomp.measured.csv_reader import read_measurement
 from gravcomp.measured.diagnosis import diagnose
 from gravcomp.measured.html import report_html
@@ -46,8 +46,7 @@ def run(arguments):
         model.corrections + [(entry.term.source, tuple(entry.parameters.values())) for entry in found.fit.corrections],
     )  # fmt: skip
     files = {"report.json": report_json(found), "model.toml": model_toml(grown), "report.html": report_html(found)}
-    for name, text in files.items():
-        write_atomically(arguments.out / name, text)
+    write_all_atomically({arguments.out / name: text for name, text in files.items()})
     print(f"verdict: {found.verdict}; seed {arguments.seed}")
     for effect in content["effects"]:
         print(f"  {effect['name']}: {100 * effect['share']:.1f} % of the residual's variance")

@@ -6,6 +6,7 @@ The starts run on all cores. With --backend dask they run on the Dask cluster th
 import time
 from pathlib import Path
 
+from gravcomp.errors import InputError
 from gravcomp.network.levenberg_marquardt import ACTIVATIONS
 from gravcomp.network.provenance import write_provenance
 from gravcomp.network.training import BACKENDS, N_TEST_POSES, Effort, evaluate, train, workspace_set
@@ -25,6 +26,8 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    if arguments.out.exists() and not arguments.out.is_dir():
+        raise InputError(f"{arguments.out}: is a file; give a folder")
     p = load_parameters(arguments.robot)
     data = workspace_set(arguments.poses, p, arguments.seed)
     began = time.monotonic()

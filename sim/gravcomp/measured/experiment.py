@@ -18,7 +18,7 @@ import numpy as np
 from tqdm import tqdm
 
 from gravcomp.errors import InputError
-from gravcomp.files import write_atomically
+from gravcomp.files import write_all_atomically
 from gravcomp.measured.experiment_effects import Effect
 from gravcomp.measured.experiment_plant import Plant
 from gravcomp.robot.kinematics import inverse_kinematics, jacobian
@@ -206,6 +206,8 @@ def log_csv(log: Log, with_temperature: bool = False) -> str:
 def write_measurement(path: Path | str, log: Log, effects: Sequence[Effect], p: RobotParameters, **facts) -> Path:
     """Write the CSV, and beside it the sealed answer, whose path is returned. Raises InputError if it cannot."""
     path = Path(path)
+    if not path.name:
+        raise InputError(f"{path}: not a file name; give one that ends in .csv")
     sealed = path.with_suffix(".sealed.json")
     if sealed == path:
         raise InputError(f"{path}: that name is the sealed answer's; give one that ends in .csv")
@@ -215,6 +217,6 @@ def write_measurement(path: Path | str, log: Log, effects: Sequence[Effect], p: 
         "effect_rms_n": float(np.sqrt(np.mean(effect_n**2))),
         **facts,
     }
-    write_atomically(path, log_csv(log, facts.get("temperature", False)))
-    write_atomically(sealed, json.dumps(answer, indent=2) + "\n")
+    text = log_csv(log, facts.get("temperature", False))
+    write_all_atomically({path: text, sealed: json.dumps(answer, indent=2) + "\n"})
     return sealed

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.files import write_atomically
+from gravcomp.files import write_all_atomically
 from gravcomp.network import quantise as q
 from gravcomp.network.compensation_rom import COMPENSATION_PACKAGE_FILE, compensation_package_text
 from gravcomp.network.quantise import FixedNetwork, quantise
@@ -28,8 +28,7 @@ def rom_files(folder: Path | str, p: RobotParameters) -> dict[str, str]:
 
 def write_rom(folder: Path | str, p: RobotParameters, generated: Path | str) -> None:
     """Write the packages of a weights folder to generated/. Raises InputError; the old packages are then untouched."""
-    for name, text in rom_files(folder, p).items():
-        write_atomically(Path(generated) / name, text)
+    write_all_atomically({Path(generated) / name: text for name, text in rom_files(folder, p).items()})
 
 
 def stale_rom_files(folder: Path | str, p: RobotParameters, generated: Path | str) -> list[Path]:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.errors import InputError
-from gravcomp.files import write_atomically
+from gravcomp.files import write_all_atomically
 from gravcomp.network.activation import gamma
 
 HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV = "hidden.csv", "output.csv", "scaling.csv"
@@ -57,16 +57,12 @@ def save_network(network: Network, folder: Path | str) -> None:
     """Write hidden.csv, output.csv and scaling.csv, floats in full precision. Raises InputError if it cannot."""
     folder = Path(folder)
     neurons = range(1, network.n_hidden + 1)
-    write_atomically(
-        folder / HIDDEN_CSV,
-        _csv_text(_hidden_header(network.n_axes), np.c_[network.hidden_weights, network.hidden_bias]),
-    )
-    write_atomically(
-        folder / OUTPUT_CSV,
-        _csv_text(["axis", *(f"v_{k}" for k in neurons), "bias"], np.c_[network.output_weights, network.output_bias]),
-    )
+    output_header = ["axis", *(f"v_{k}" for k in neurons), "bias"]
+    hidden = _csv_text(_hidden_header(network.n_axes), np.c_[network.hidden_weights, network.hidden_bias])
+    output = _csv_text(output_header, np.c_[network.output_weights, network.output_bias])
     scaling = np.stack([getattr(network, name) for name in _SCALING_COLUMNS], axis=1)
-    write_atomically(folder / SCALING_CSV, _csv_text(["axis", *_SCALING_COLUMNS], scaling))
+    scaling = _csv_text(["axis", *_SCALING_COLUMNS], scaling)
+    write_all_atomically({folder / HIDDEN_CSV: hidden, folder / OUTPUT_CSV: output, folder / SCALING_CSV: scaling})
 
 
 def load_network(folder: Path | str) -> Network:

@@ -1,0 +1,38 @@
+"""Files are written whole or not at all."""
+
+from pathlib import Path
+
+import pytest
+
+from gravcomp.cli import main
+from gravcomp.errors import InputError
+from gravcomp.files import write_all_atomically, write_atomically
+
+
+def test_written_file_replaces_the_old_one_and_leaves_nothing_else(tmp_path):
+    path = tmp_path / "new" / "file.txt"
+    write_atomically(path, "old")
+    write_atomically(path, b"new")
+    assert path.read_text() == "new"
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_of_several_files_all_are_replaced_or_none(tmp_path):
+    first, second = tmp_path / "first.txt", tmp_path / "second.txt"
+    first.write_text("old")
+    second.mkdir()
+    with pytest.raises(InputError, match=r"second\.txt"):
+        write_all_atomically({first: "new", second: "new"})
+    assert first.read_text() == "old"
+    assert sorted(tmp_path.iterdir()) == [first, second]
+
+
+def test_file_in_place_of_a_folder_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_atomically(Path(tmp_path / "file" / "inside.txt"), "text")
+
+
+def test_measure_without_a_file_name_is_refused_in_one_line(capsys):
+    assert main(["measure", "--effect", "none", "--out", "", "--points", "2", "--mode", "static"]) == 2
+    assert capsys.readouterr().err.strip().splitlines()[-1].startswith("gravcomp measure:")
