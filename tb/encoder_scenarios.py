@@ -4,14 +4,13 @@ Each scenario takes (config, rng) and returns (inputs, check): inputs by port na
 the outputs of the RTL or of its bit-true model. The truth is the encoder's position, not the model.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from gravcomp.encoder import NO_PERIOD, DecoderConfig, quadrature, wrap_32
 
 Signals = Mapping[str, np.ndarray]
-Check = Callable[[Signals], None]
 SPEED_LATENCY = 3  # clocks from count to speed
 
 

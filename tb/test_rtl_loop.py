@@ -13,7 +13,7 @@ import cocotb
 import numpy as np
 import pytest
 
-from codes import ROOT, fixed_network, pack, unpack
+from codes import ROOT, fixed_compensation, fixed_network, pack, unpack
 from gravcomp.errors import InputError
 from gravcomp.measured.csv_reader import read_measurement
 from gravcomp.measured.loop import (
@@ -29,8 +29,7 @@ from gravcomp.measured.loop import (
 from gravcomp.measured.measurement import Measurement
 from gravcomp.measured.model import Model
 from gravcomp.network import bittrue
-from gravcomp.network.compensation import compensator, quantise_compensation
-from gravcomp.network.compensation_csv import load_compensation
+from gravcomp.network.compensation import compensator
 from gravcomp.network.quantise import COUNT_BITS, FORCE_BITS
 from gravcomp.network.training import workspace_set
 from gravcomp.robot.parameters import load_parameters
@@ -54,10 +53,8 @@ async def held_out_samples(dut):
     inputs = [{"in_count": pack(c, COUNT_BITS), "in_period": pack(p, 32)} for c, p in zip(counts, periods, strict=True)]
     got = await stream(dut, inputs, ["out_force"])
     force_mn = unpack(got.outputs["out_force"], FORCE_BITS, n)
-    constants = load_compensation(os.environ["WEIGHTS"], n)
-    tables = quantise_compensation(constants, load_parameters(), os.environ["WEIGHTS"])
     network_mn = bittrue.core(counts, fixed).force_mn
-    np.testing.assert_array_equal(force_mn, compensator(network_mn, counts, periods, tables)[0])
+    np.testing.assert_array_equal(force_mn, compensator(network_mn, counts, periods, fixed_compensation())[0])
     np.save(answer_file(folder, run), force_mn)
 
 

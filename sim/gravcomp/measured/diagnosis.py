@@ -42,7 +42,6 @@ class Diagnosis:
     noise: np.ndarray
     untestable: dict[str, str]
     left: list[dict] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
 
     @property
     def noise_floor(self) -> float:

@@ -288,9 +288,3 @@ class Evidence:
 
 def _is_simple(term: Term) -> bool:
     return term.name in ("coulomb_friction", "current_offset", "viscous_friction", "thrust_constant", "cable_spring")
-
-
-def columns_of(term_columns: dict[str, np.ndarray], rows: np.ndarray, n_axes: int) -> list[np.ndarray | None]:
-    """Per axis the regressors (rows, p) of an effect, None where all are zero."""
-    stacked = np.stack([column[rows] for column in term_columns.values()], axis=-1)
-    return [stacked[:, i] if np.any(stacked[:, i]) else None for i in range(n_axes)]
