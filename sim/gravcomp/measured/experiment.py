@@ -87,7 +87,7 @@ def measure(
     poses = sample_workspace(n_static, p, int(rng.integers(2**31)))
     plant = Plant(p, effects)
     with _watched(n_points) as progress:
-        samples = hold_poses(plant, poses, rng, progress)
+        samples = hold_poses(plant, poses, random_sides(n_static, rng), progress)
         samples += follow_path(plant, n_points - n_static, rng, speed, n_static * _HOLD_PERIOD_S, progress)
     t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))
     current = (effort + noise_n * rng.standard_normal(effort.shape)) / p.thrust_constant_n_per_a
@@ -103,7 +103,7 @@ def static_points(
     """
     rng = np.random.default_rng(seed)
     with _watched(len(poses)) as progress:
-        samples = hold_poses(Plant(p, effects), poses, rng, progress)
+        samples = hold_poses(Plant(p, effects), poses, random_sides(len(poses), rng), progress)
     q, effort = np.array([s.q_m for s in samples]), np.array([s.effort_n for s in samples])
     return q, effort + noise_n * rng.standard_normal(effort.shape)
 
@@ -115,11 +115,15 @@ def _watched(n_samples: int) -> Iterator[tqdm]:
         yield progress
 
 
-def hold_poses(plant: Plant, poses: np.ndarray, rng: np.random.Generator, progress: tqdm) -> list[Sample]:
-    """Hold each pose (n, 3, 3), approached from a random side."""
+def random_sides(n: int, rng: np.random.Generator) -> np.ndarray:
+    """Sides (n, 3) for ``hold_poses``, all directions equally likely."""
+    return rng.standard_normal((n, 3))
+
+
+def hold_poses(plant: Plant, poses: np.ndarray, sides: np.ndarray, progress: tqdm) -> list[Sample]:
+    """Hold each pose (n, 3, 3), approached by turning about its side: sides (n, 3), rotation vectors of any length."""
     to_go, samples = _approach_profile(), []
-    for k, rotation in enumerate(poses):
-        side = rng.standard_normal(3)
+    for k, (rotation, side) in enumerate(zip(poses, sides, strict=True)):
         rate = jacobian(rotation, plant.parameters) @ (side / np.linalg.norm(side))
         target = inverse_kinematics(rotation, plant.parameters)
         approach = target - to_go[:, None] * rate

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from tqdm import tqdm
 
 from gravcomp.measured.csv_reader import read_measurement
-from gravcomp.measured.experiment import DEFAULT_NOISE_N, Log, hold_poses, log_csv, measure
+from gravcomp.measured.experiment import DEFAULT_NOISE_N, Log, hold_poses, log_csv, measure, random_sides
 from gravcomp.measured.experiment_effects import field_effects
 from gravcomp.measured.experiment_plant import Plant
 from gravcomp.measured.measurement import Measurement
@@ -24,9 +24,9 @@ def hold_field(p: RobotParameters, poses: np.ndarray, approach: str, seed: int) 
     Returns what a reader of the log sees, n rows.
     """
     rng = np.random.default_rng(seed)
-    sides = Rotation.from_matrix(poses).as_rotvec() if approach == "outward" else rng.standard_normal((len(poses), 3))
+    sides = Rotation.from_matrix(poses).as_rotvec() if approach == "outward" else random_sides(len(poses), rng)
     with tqdm(total=len(poses), desc=f"holds, approach {approach}", delay=2.0, unit="pose") as progress:
-        samples = hold_poses(Plant(p, field_effects()), poses, _Sides(sides), progress)
+        samples = hold_poses(Plant(p, field_effects()), poses, sides, progress)
     t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))
     current = (effort + DEFAULT_NOISE_N * rng.standard_normal(effort.shape)) / p.thrust_constant_n_per_a
     return _as_read(Log(t, q, v, current, temperature, effort), p)
@@ -49,16 +49,6 @@ def true_forces(data: Measurement) -> np.ndarray:
             found = {f"{name}_{axis}": value for axis, value in enumerate(given[name], start=1)}
         effects.append((effect.name, found))
     return data.nominal + Model(robot=data.robot, effects=effects).predict(data)
-
-
-class _Sides:
-    """Stands in for the generator of ``hold_poses``: the sides (n, 3) of its approaches are given, not drawn."""
-
-    def __init__(self, sides: np.ndarray):
-        self._sides = iter(sides)
-
-    def standard_normal(self, _size: int) -> np.ndarray:
-        return next(self._sides)
 
 
 def _as_read(log: Log, p: RobotParameters) -> Measurement:
