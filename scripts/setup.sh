@@ -24,7 +24,7 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
 wanted=$(cat pyproject.toml constraints.txt | sha256sum)
 if [ "$(cat .venv/installed 2>/dev/null)" != "$wanted" ]; then
     python3 -m venv .venv
-    .venv/bin/pip install --constraint constraints.txt --editable '.[dev]'
+    .venv/bin/pip install --constraint constraints.txt --editable '.[dev,synth,registers]'
     # cocotb loads Python into the simulator and needs it as a shared library.
     [ -n "$(.venv/bin/find_libpython 2>/dev/null)" ] ||
         install_packages "$(python3 -c 'import sys; print("libpython%d.%d" % sys.version_info[:2])')"

@@ -1,0 +1,1 @@
+"""From VHDL to area and clock with free tools: GHDL, Yosys, nextpnr."""

@@ -1,0 +1,73 @@
+"""VHDL to Verilog with GHDL's synthesis, and the repair of what GHDL 2.0.0 writes wrongly."""
+
+import re
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from gravcomp.errors import InputError
+from gravcomp.files import write_atomically
+
+
+def rtl_sources(rtl: Path) -> list[Path]:
+    """The VHDL files of rtl/sources.f, in compile order."""
+    return [rtl / name for name in (rtl / "sources.f").read_text().split()]
+
+
+def to_verilog(sources: Sequence[Path], top: str, generics: Mapping[str, int], out: Path) -> Path:
+    """Write the Verilog of entity top with its generics set to the file out; returns out.
+
+    Raises InputError when GHDL refuses, or when its Verilog holds something that repair does not know to be right.
+    """
+    with tempfile.TemporaryDirectory() as work:
+        options = ["--std=08", f"--workdir={work}"]
+        _ghdl(["-a", *options, *(str(path.resolve()) for path in sources)], work)
+        settings = [f"-g{name}={value}" for name, value in generics.items()]
+        text = _ghdl(["--synth", *options, "--out=verilog", *settings, top], work)
+    write_atomically(out, repair(text))
+    return out
+
+
+def repair(verilog: str) -> str:
+    """GHDL 2.0.0's Verilog with its two known faults mended; InputError for what would be silently wrong.
+
+    Constants wider than 32 bits are written as strings, which Verilog reads as ASCII. A signed product is written as
+    one of sign-extended operands, which costs three DSP blocks for one. Operators that Verilog lacks come out as VHDL
+    text, a case without default would be a latch: neither is mended, the VHDL must avoid them.
+    """
+    code = re.sub(r"/\*.*?\*/", "", verilog, flags=re.DOTALL)
+    code = re.sub(r'"([01]{33,})"', lambda found: f"{len(found[1])}'b{found[1]}", code)
+    code = _signed_products(code)
+    statements = re.sub(r"//.*", "", code)
+    for pattern, what in (
+        (r'".*?"', "a string"),
+        (r"\b(?:abs|minimum|maximum|mod|rem)\b", "an operator of VHDL"),
+        (r"\bcase[xz]?\b(?:(?!\bendcase\b|\bdefault\b).)*\bendcase\b", "a case without default"),
+    ):
+        if found := re.search(pattern, statements, re.DOTALL):
+            raise InputError(f"GHDL wrote {what} into its Verilog, {found[0][:40]!r}; write that VHDL another way")
+    return code
+
+
+def _signed_products(code: str) -> str:
+    extended = dict(re.findall(r"assign (\w+) = \{\{\d+\{(\w+)\[\d+\]\}\}, \2\}; // sext", code))
+
+    def product(found: re.Match) -> str:
+        left, right = found[2], found[3]
+        if left not in extended or right not in extended:
+            raise InputError(f"GHDL wrote a signed product of unknown form, {found[0]!r}; write that VHDL another way")
+        return f"assign {found[1]} = $signed({extended[left]}) * $signed({extended[right]});"
+
+    return re.sub(r"assign (\w+) = (\w+) \* (\w+); // smul", product, code)
+
+
+def _ghdl(arguments: Sequence[str], folder: str) -> str:
+    try:
+        done = subprocess.run(["ghdl", *arguments], cwd=folder, capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        raise InputError("ghdl: not found; start `make setup`") from None
+    if done.returncode:
+        message = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[0]
+        raise InputError(f"ghdl {arguments[0]}: {message}")
+    return done.stdout

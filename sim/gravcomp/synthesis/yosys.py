@@ -1,0 +1,102 @@
+"""Synthesis with Yosys (pyosys): cell counts and netlists for a target."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gravcomp.errors import InputError
+
+# Passes after reading. The area of 7-series and Gowin parts is an estimate: Yosys' counts, not placed.
+TARGETS = {
+    "generic": ["flatten", "opt -full", "memory -nomap", "opt_clean"],
+    "gates": ["synth -flatten -top {top}"],
+    "ecp5": ["synth_lattice -family ecp5 -top {top}"],
+    "xilinx": ["synth_xilinx -family xc7 -flatten -noiopad -noclkbuf -top {top}"],
+    "gowin": ["synth_gowin -family gw2a -noiopads -top {top}"],
+}
+# The primitives that a mapping file may use.
+PRIMITIVES = {"ecp5": ["+/lattice/cells_bb_ecp5.v"], "xilinx": ["+/xilinx/cells_sim.v"]}
+
+# Yosys ends the process on an error, so it runs in one of its own.
+_RUNNER = """
+import sys
+from pyosys import libyosys
+design = libyosys.Design()
+for line in open(sys.argv[1]):
+    libyosys.run_pass(line.strip(), design)
+"""
+
+
+@dataclass(frozen=True)
+class Netlist:
+    """A synthesised design: its top module, number of cells by type, and the netlist as JSON and as Verilog."""
+
+    top: str
+    cells: dict[str, int]
+    json: Path
+    verilog: Path
+
+
+def synthesise(
+    verilog: Path, top: str, target: str, out: Path, *, mapping: Path | None = None, registered: bool = False
+) -> Netlist:
+    """Synthesise module top of a Verilog file for a target of TARGETS; files and yosys.log go to the folder out.
+
+    mapping: a Verilog file whose modules replace those of the same name, such as the vendor's form of a multiplier.
+    registered: flip-flops around every port but clk, so that place and route times the paths through the ports too;
+    the top of the netlist is then `registered`.
+    Raises InputError when Yosys fails; a latch is a failure.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    read = [f"read_verilog {verilog.resolve()}"]
+    if mapping:
+        read += [f"read_verilog -lib {path}" for path in PRIMITIVES.get(target, [])]
+        read += [f"read_verilog -overwrite {mapping.resolve()}"]
+    if registered:
+        wrapper = out / "registered.v"
+        wrapper.write_text(_register_ports(top, _ports(read, top, out)))
+        read, top = [*read, f"read_verilog {wrapper.resolve()}"], "registered"
+    netlist, mapped, cells = (out / f"{target}.{name}" for name in ("json", "v", "stat.json"))
+    passes = [*read, f"hierarchy -check -top {top}", "proc -latches error", *TARGETS[target]]
+    passes += [f"tee -q -o {cells.name} stat -json"]
+    passes += [f"write_json {netlist.name}", f"write_verilog -noattr {mapped.name}"]
+    _run([line.format(top=top) for line in passes], out / "yosys.log")
+    counts = json.loads(cells.read_text())["design"]["num_cells_by_type"]
+    return Netlist(top, {name: int(number) for name, number in counts.items()}, netlist, mapped)
+
+
+def _ports(read: Sequence[str], top: str, out: Path) -> dict[str, tuple[str, int]]:
+    """Direction and width of each port of module top."""
+    _run([*read, f"hierarchy -check -top {top}", "proc", "write_json ports.json"], out / "ports.log")
+    ports = json.loads((out / "ports.json").read_text())["modules"][top]["ports"]
+    return {name: (port["direction"], len(port["bits"])) for name, port in ports.items()}
+
+
+def _register_ports(top: str, ports: dict[str, tuple[str, int]]) -> str:
+    """Verilog of module `registered`: top with a flip-flop at every port but clk."""
+    around = {name: port for name, port in ports.items() if name != "clk"}
+    declared = [f"{way} [{bits - 1}:0] {name}" for name, (way, bits) in around.items()]
+    signals = [f"  reg [{bits - 1}:0] {name}_q; wire [{bits - 1}:0] {name}_d;" for name, (_, bits) in around.items()]
+    moves, connections = [], []
+    for name, (way, _) in around.items():
+        inside = "q" if way == "input" else "d"
+        moves += [f"  always @(posedge clk) {name}_q <= {name}_d;"]
+        moves += [f"  assign {name}_d = {name};" if way == "input" else f"  assign {name} = {name}_q;"]
+        connections += [f".{name}({name}_{inside})"]
+    head = f"module registered(input clk, {', '.join(declared)});"
+    core = f"  {top} core(.clk(clk), {', '.join(connections)});"
+    return "\n".join([head, *signals, *moves, core, "endmodule", ""])
+
+
+def _run(passes: Sequence[str], log: Path) -> None:
+    script = log.with_suffix(".ys")
+    script.write_text("\n".join(passes) + "\n")
+    with log.open("w") as file:
+        command = [sys.executable, "-c", _RUNNER, script.name]
+        done = subprocess.run(command, cwd=log.parent, stdout=file, stderr=subprocess.STDOUT, check=False)
+    if done.returncode:
+        message = next((line for line in reversed(log.read_text().splitlines()) if "ERROR" in line), "no message")
+        raise InputError(f"yosys: {message.strip()}; see {log}")
