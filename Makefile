@@ -7,7 +7,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim test test-fast train table1 rom budget latency formats docs loop blind table2 lint clean
+.PHONY: help setup sim test test-fast train table1 rom regs budget latency formats docs loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -35,6 +35,9 @@ table1: setup ## the paper's Table 1, trained here, beside the paper's figures
 
 rom: setup ## write rtl/generated from the CSV files in WEIGHTS
 	@$(RUN)/gravcomp rom --weights $(WEIGHTS)
+
+regs: setup ## write registers (VHDL, IP-XACT, C header; HTML into build/registers) from rtl/registers/gc_registers.rdl
+	@scripts/registers.sh
 
 budget: setup ## operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics
 	@$(PYTEST) -q tb/test_rtl_budget.py

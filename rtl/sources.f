@@ -23,3 +23,6 @@ gc_position_table.vhd
 gc_compensator.vhd
 gc_current_scaler.vhd
 gc_top.vhd
+registers/reg_utils.vhd
+registers/gc_registers_pkg.vhd
+registers/gc_registers.vhd

@@ -1,0 +1,69 @@
+"""The generated register files: what is checked in comes from the description, and every view of it agrees."""
+
+import re
+import subprocess
+import tomllib
+
+import pytest
+
+from codes import ROOT
+from gravcomp.errors import InputError
+from gravcomp.system.registers import IPXACT, read_registers
+from runner import RTL
+
+GENERATED = [
+    *(RTL / "registers" / name for name in ("reg_utils.vhd", "gc_registers_pkg.vhd", "gc_registers.vhd")),
+    IPXACT,
+    ROOT / "host" / "gravcomp_registers.h",
+]
+
+
+@pytest.fixture(scope="module")
+def fresh(tmp_path_factory):
+    """A folder with everything that `make regs` writes."""
+    folder = tmp_path_factory.mktemp("registers")
+    subprocess.run([ROOT / "scripts" / "registers.sh", folder], check=True, capture_output=True, timeout=120)
+    return folder
+
+
+@pytest.mark.parametrize("path", GENERATED, ids=lambda path: path.name)
+def test_register_files_come_from_the_description(fresh, path):
+    relative = path.relative_to(ROOT)
+    assert path.read_bytes() == (fresh / relative).read_bytes(), f"{relative} is stale; start `make regs`"
+
+
+def test_register_pages_are_written(fresh):
+    assert (fresh / "build" / "registers" / "index.html").stat().st_size > 0
+
+
+def test_register_addresses_of_header_and_ipxact_agree():
+    """Offsets of the C struct, counted from its members' sizes, against the IP-XACT addresses that Python uses."""
+    header = (ROOT / "host" / "gravcomp_registers.h").read_text()
+    members = re.findall(r"^    uint(8|32)_t (\w+)(?:\[(\w+)\])?;", header, re.MULTILINE)
+    offset, offsets = 0, {}
+    for bits, name, count in members:
+        offsets[name] = (offset, int(count or "1", 0))
+        offset += int(bits) // 8 * int(count or "1", 0)
+    expected = {name: (register.address, register.count) for name, register in read_registers().items()}
+    assert {name: where for name, where in offsets.items() if not name.startswith("RESERVED")} == expected
+
+
+def test_register_fields_of_header_and_ipxact_agree():
+    header = (ROOT / "host" / "gravcomp_registers.h").read_text()
+    for name, register in read_registers().items():
+        for field, (low, width) in register.fields.items():
+            c_name = rf"GC_REGISTERS__{name}X?__{field}".upper()
+            mask = re.search(rf"#define {c_name}_bm (0x\w+)", header)
+            assert int(mask.group(1), 16) == (2**width - 1) << low, c_name
+
+
+def test_version_of_the_registers_is_that_of_the_package():
+    version = read_registers()["version"].reset
+    wanted = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert f"{version >> 16 & 255}.{version >> 8 & 255}.{version & 255}" == wanted
+
+
+def test_registers_that_cannot_be_read_are_refused(tmp_path):
+    (tmp_path / "gc_registers.xml").write_text("<component>")
+    with pytest.raises(InputError, match=r"gc_registers[.]xml: .*make regs"):
+        read_registers(tmp_path / "gc_registers.xml")
