@@ -63,14 +63,14 @@ def synthesise(
     passes = [*read, f"hierarchy -check -top {top}", "proc -latches error", *TARGETS[target]]
     passes += [f"tee -q -o {cells.name} stat -json"]
     passes += [f"write_json {netlist.name}", f"write_verilog -noattr {mapped.name}"]
-    _run([line.format(top=top) for line in passes], out / "yosys.log")
+    run_passes([line.format(top=top) for line in passes], out / "yosys.log")
     counts = json.loads(cells.read_text())["design"]["num_cells_by_type"]
     return Netlist(top, {name: int(number) for name, number in counts.items()}, netlist, mapped)
 
 
 def _ports(read: Sequence[str], top: str, out: Path) -> dict[str, tuple[str, int]]:
     """Direction and width of each port of module top."""
-    _run([*read, f"hierarchy -check -top {top}", "proc", "write_json ports.json"], out / "ports.log")
+    run_passes([*read, f"hierarchy -check -top {top}", "proc", "write_json ports.json"], out / "ports.log")
     ports = json.loads((out / "ports.json").read_text())["modules"][top]["ports"]
     return {name: (port["direction"], len(port["bits"])) for name, port in ports.items()}
 
@@ -91,7 +91,8 @@ def _register_ports(top: str, ports: dict[str, tuple[str, int]]) -> str:
     return "\n".join([head, *signals, *moves, core, "endmodule", ""])
 
 
-def _run(passes: Sequence[str], log: Path) -> None:
+def run_passes(passes: Sequence[str], log: Path) -> None:
+    """Run Yosys on a list of its commands in the folder of log; raises InputError when it fails."""
     script = log.with_suffix(".ys")
     script.write_text("\n".join(passes) + "\n")
     with log.open("w") as file:
