@@ -1,4 +1,6 @@
 gc_synchronizer.vhd
+gc_crossing_pulse.vhd
+gc_crossing_bus.vhd
 gc_glitch_filter.vhd
 gc_speed_meter.vhd
 gc_quad_decoder.vhd
@@ -22,6 +24,7 @@ gc_friction.vhd
 gc_position_table.vhd
 gc_compensator.vhd
 gc_current_scaler.vhd
+gc_tick.vhd
 gc_top.vhd
 registers/reg_utils.vhd
 registers/gc_registers_pkg.vhd
