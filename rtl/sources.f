@@ -24,6 +24,12 @@ gc_friction.vhd
 gc_position_table.vhd
 gc_compensator.vhd
 gc_current_scaler.vhd
+gc_timeout.vhd
+gc_safety_pkg.vhd
+gc_fault_latch.vhd
+gc_brake_sequencer.vhd
+gc_safety.vhd
+gc_drive.vhd
 gc_tick.vhd
 gc_top.vhd
 registers/reg_utils.vhd

@@ -25,7 +25,8 @@ async def play(
         dut.rst.value = 0
     n_clocks = len(next(iter(inputs.values())))
     drivers = [(getattr(dut, name), np.asarray(values).tolist(), [None]) for name, values in inputs.items()]
-    recorded = {name: (getattr(dut, name), np.zeros(n_clocks, np.int64)) for name in outputs}
+    handles = {name: getattr(dut, name) for name in outputs}
+    recorded = {name: (h, np.zeros(n_clocks, np.int64 if len(h) <= 64 else object)) for name, h in handles.items()}
     for k in range(n_clocks):
         for handle, values, last in drivers:
             if values[k] != last[0]:

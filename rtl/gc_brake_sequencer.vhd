@@ -1,0 +1,126 @@
+-- SPDX-License-Identifier: MIT
+--
+-- Brakes and command enable of all axes, state by state; docs/safety.md has the diagram.
+--
+--   BRAKED    brakes engaged, command zero       reset; waits for a rising enable while healthy
+--   HOLDING   brakes engaged, command active     before RUN till the motors carry the load, after it till brakes close
+--   RUN       brakes released, command active
+--   FAULT     brakes engaged, command zero       until clear while healthy
+--
+-- The motors take the load before the brakes let it go: HOLDING leads to RUN once the command has been settled, with
+-- enable high, for more than cfg_brake_clocks. A low enable leads back: brakes engage at once, and the command goes to
+-- zero when they have had as many clocks to close.
+-- A level of enable that was high at reset, or that rose while unhealthy, braked or not, starts nothing: only its next
+-- rising edge does. Motion never resumes by itself.
+-- A code that is none of the four leads to FAULT.
+-- Latency: 1 clock from in_fault or enable to state, run and brake_release.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_safety_pkg.all;
+
+entity gc_brake_sequencer is
+  port (
+    clk              : in    std_ulogic;
+    -- Synchronous, active high: BRAKED.
+    rst              : in    std_ulogic;
+    -- Its rising edge starts, its low level stops.
+    enable           : in    std_ulogic;
+    -- One clock: leave FAULT.
+    clear            : in    std_ulogic;
+    -- A cause for FAULT.
+    in_fault         : in    std_ulogic;
+    -- Nothing speaks against motion.
+    in_healthy       : in    std_ulogic;
+    -- The command of every axis is the one asked for.
+    in_settled       : in    std_ulogic;
+    -- Time for a brake to close and for the motors to take the load, clocks.
+    cfg_brake_clocks : in    unsigned(31 downto 0);
+    state            : out   safety_state_t := state_braked_c;
+    -- '0': command to zero.
+    run              : out   std_ulogic := '0';
+    -- '1' releases the brakes.
+    brake_release    : out   std_ulogic := '0'
+  );
+end entity gc_brake_sequencer;
+
+architecture rtl of gc_brake_sequencer is
+
+  signal enable_1 : std_ulogic := '1';
+  signal restart  : std_ulogic;
+  signal expired  : std_ulogic;
+
+begin
+
+  restart <= '1' when state /= state_holding_c or enable /= enable_1 or (enable = '1' and in_settled = '0') else '0';
+
+  i_hold : entity work.gc_timeout
+    port map (
+      clk        => clk,
+      rst        => rst,
+      restart    => restart,
+      cfg_clocks => cfg_brake_clocks,
+      expired    => expired
+    );
+
+  p_state : process (clk) is
+
+    variable next_v : safety_state_t;
+
+  begin
+
+    if rising_edge(clk) then
+      enable_1 <= enable;
+      next_v := state;
+
+      case state is
+
+        when state_braked_c =>
+
+          if enable = '1' and enable_1 = '0' and in_healthy = '1' then
+            next_v := state_holding_c;
+          end if;
+
+        when state_holding_c =>
+
+          if expired = '1' and restart = '0' then
+            next_v := state_run_c when enable = '1' else state_braked_c;
+          end if;
+
+        when state_run_c =>
+
+          if enable = '0' then
+            next_v := state_holding_c;
+          end if;
+
+        when state_fault_c =>
+
+          if clear = '1' and in_healthy = '1' then
+            next_v := state_braked_c;
+          end if;
+
+        when others =>
+
+          next_v := state_fault_c;
+
+      end case;
+
+      if in_fault = '1' then
+        next_v := state_fault_c;
+      end if;
+      if rst = '1' then
+        next_v := state_braked_c;
+        enable_1 <= '1';
+      end if;
+
+      state <= next_v;
+      run <= '1' when next_v = state_holding_c or next_v = state_run_c else '0';
+      brake_release <= '1' when next_v = state_run_c else '0';
+    end if;
+
+  end process p_state;
+
+end architecture rtl;

@@ -1,0 +1,156 @@
+-- SPDX-License-Identifier: MIT
+--
+-- Current commands of all axes: the results of the core with limited magnitude and limited slew.
+--
+--   target = in_current clipped to +- cfg_limit
+--   out_current := out_current + (target - out_current clipped to +- cfg_slew)      once per result
+--
+-- Formats: 32 bits, uA -> 32 bits, uA. Latency: 4 clocks from in_valid to out_valid and out_current.
+-- A result is taken every fourth clock at most; one that comes sooner is dropped.
+-- run = '0': the command is zero one clock later, without a ramp. When run rises, the command ramps from zero.
+-- A limit that is lowered is reached by the slew, too. A change of cfg_* counts from the second clock after it.
+-- Overflow: cannot happen. The command never leaves the interval from its last value to the target, and the target's
+-- magnitude is below 2**31; -2**31 is clipped.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_network_pkg.all;
+
+entity gc_drive is
+  port (
+    clk         : in    std_ulogic;
+    -- Synchronous, active high; commands to zero.
+    rst         : in    std_ulogic;
+    -- '0': commands to zero.
+    run         : in    std_ulogic;
+    in_valid    : in    std_ulogic;
+    -- Currents asked for, uA, axis 1 lowest.
+    in_current  : in    signed(outputs_c * current_bits_c - 1 downto 0);
+    -- Largest magnitude, uA, of every axis.
+    cfg_limit   : in    unsigned(current_bits_c - 2 downto 0);
+    -- Largest change per result, uA, of every axis; 0 keeps the command where it is.
+    cfg_slew    : in    unsigned(current_bits_c - 2 downto 0);
+    -- One clock per result taken.
+    out_valid   : out   std_ulogic := '0';
+    -- Commands, uA, axis 1 lowest; hold until the next result.
+    out_current : out   signed(outputs_c * current_bits_c - 1 downto 0) := (others => '0');
+    -- The magnitude of the last result was clipped.
+    out_limited : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0');
+    -- The command is the target; '0' while it ramps, and from run = '0' to the first result.
+    out_settled : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0')
+  );
+end entity gc_drive;
+
+architecture rtl of gc_drive is
+
+  constant bits_c : positive := current_bits_c;
+
+  signal valid_1 : std_ulogic := '0';
+  signal valid_2 : std_ulogic := '0';
+  signal valid_3 : std_ulogic := '0';
+  signal taken   : std_ulogic;
+  signal ceiling : signed(bits_c - 1 downto 0) := (others => '0');
+  signal floor   : signed(bits_c - 1 downto 0) := (others => '0');
+  signal rise    : signed(bits_c - 1 downto 0) := (others => '0');
+  signal fall    : signed(bits_c - 1 downto 0) := (others => '0');
+
+begin
+
+  taken <= in_valid and not (valid_1 or valid_2 or valid_3);
+
+  p_limits : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      ceiling <= signed('0' & cfg_limit);
+      floor <= -signed('0' & cfg_limit);
+      rise <= signed('0' & cfg_slew);
+      fall <= -signed('0' & cfg_slew);
+    end if;
+
+  end process p_limits;
+
+  p_valid : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      valid_1 <= taken;
+      valid_2 <= valid_1;
+      valid_3 <= valid_2;
+      out_valid <= valid_3;
+      if run = '0' or rst = '1' then
+        valid_1 <= '0';
+        valid_2 <= '0';
+        valid_3 <= '0';
+        out_valid <= '0';
+      end if;
+    end if;
+
+  end process p_valid;
+
+  g_axis : for i in 0 to outputs_c - 1 generate
+    signal target_1  : signed(bits_c - 1 downto 0) := (others => '0');
+    signal limited_1 : std_ulogic := '0';
+    signal gap_2     : signed(bits_c downto 0) := (others => '0');
+    signal step_3    : signed(bits_c - 1 downto 0) := (others => '0');
+    signal settled_3 : std_ulogic := '0';
+    signal command   : signed(bits_c - 1 downto 0) := (others => '0');
+  begin
+
+    p_drive : process (clk) is
+
+      variable current_v : signed(bits_c - 1 downto 0);
+
+    begin
+
+      if rising_edge(clk) then
+        -- stage 1: magnitude; held until stage 4
+        current_v := in_current((i + 1) * bits_c - 1 downto i * bits_c);
+        if taken = '1' then
+          target_1 <= current_v;
+          limited_1 <= '0';
+          if current_v > ceiling then
+            target_1 <= ceiling;
+            limited_1 <= '1';
+          elsif current_v < floor then
+            target_1 <= floor;
+            limited_1 <= '1';
+          end if;
+        end if;
+
+        -- stage 2: distance, one bit wider than its terms
+        gap_2 <= resize(target_1, bits_c + 1) - command;
+
+        -- stage 3: slew
+        step_3 <= gap_2(bits_c - 1 downto 0);
+        settled_3 <= '1';
+        if gap_2 > rise then
+          step_3 <= rise;
+          settled_3 <= '0';
+        elsif gap_2 < fall then
+          step_3 <= fall;
+          settled_3 <= '0';
+        end if;
+
+        -- stage 4: the command
+        if valid_3 = '1' then
+          command <= command + step_3;
+          out_limited(i) <= limited_1;
+          out_settled(i) <= settled_3;
+        end if;
+        if run = '0' or rst = '1' then
+          command <= (others => '0');
+          out_limited(i) <= '0';
+          out_settled(i) <= '0';
+        end if;
+      end if;
+
+    end process p_drive;
+
+    out_current((i + 1) * bits_c - 1 downto i * bits_c) <= command;
+  end generate g_axis;
+
+end architecture rtl;

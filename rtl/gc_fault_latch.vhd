@@ -1,0 +1,65 @@
+-- SPDX-License-Identifier: MIT
+--
+-- Remembers every cause of a fault since the last clear, and the causes and the positions of the first one.
+--
+-- Causes that come in the same clock are first together: first_cause may have several bits.
+-- in_clear and a cause in the same clock: the cause is kept, as the first.
+-- Latency: 1 clock. first_count holds its value until the next first cause.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_network_pkg.all;
+  use work.gc_safety_pkg.all;
+
+entity gc_fault_latch is
+  port (
+    clk         : in    std_ulogic;
+    -- Synchronous, active high; forgets all causes.
+    rst         : in    std_ulogic;
+    in_clear    : in    std_ulogic;
+    -- Causes of this clock.
+    in_fault    : in    causes_t;
+    -- Positions of this clock, encoder counts, axis 1 lowest.
+    in_count    : in    signed(inputs_c * count_bits_c - 1 downto 0);
+    sts_fault   : out   causes_t := no_causes_c;
+    first_cause : out   causes_t := no_causes_c;
+    first_count : out   signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0')
+  );
+end entity gc_fault_latch;
+
+architecture rtl of gc_fault_latch is
+
+begin
+
+  p_latch : process (clk) is
+
+    variable kept_v : causes_t;
+
+  begin
+
+    if rising_edge(clk) then
+      kept_v := sts_fault;
+      if in_clear = '1' then
+        kept_v := no_causes_c;
+        first_cause <= no_causes_c;
+      end if;
+
+      sts_fault <= kept_v or in_fault;
+      if kept_v = no_causes_c and in_fault /= no_causes_c then
+        first_cause <= in_fault;
+        first_count <= in_count;
+      end if;
+
+      if rst = '1' then
+        sts_fault <= no_causes_c;
+        first_cause <= no_causes_c;
+        first_count <= (others => '0');
+      end if;
+    end if;
+
+  end process p_latch;
+
+end architecture rtl;

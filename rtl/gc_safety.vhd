@@ -1,0 +1,241 @@
+-- SPDX-License-Identifier: MIT
+--
+-- Safety of all axes: watches encoders, positions, speeds, results, host and emergency stop; engages the brakes and
+-- stops the command on a fault; remembers what came first and where.
+--
+-- Brakes are released, and the command is active, only after a rising enable while no cause is present: referenced,
+-- healthy, emergency stop released. States: see gc_brake_sequencer; causes and reactions: docs/safety.md.
+-- estop, encoder, crc and rom are faults in every state. The others are while the command is active, and in FAULT;
+-- while braked they are normal (before homing, without a host) and keep the brakes engaged.
+-- FAULT is left by clear while no cause is present, to BRAKED; clear while one lasts does nothing.
+-- Latency: from a cause at the inputs to brake_release = run = '0': 2 clocks; from pin estop_n: sync_stages_g + 1; from
+-- the last kick or result: the limit and 3 clocks; so from the first clock of saturation.
+-- After reset an emergency stop is assumed until estop_n is known.
+-- The input of an open pin must read '0': pull it down.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_network_pkg.all;
+  use work.gc_safety_pkg.all;
+
+entity gc_safety is
+  generic (
+    -- Flip-flops of estop_n against metastability, at least 2.
+    sync_stages_g : positive := 2
+  );
+  port (
+    clk                   : in    std_ulogic;
+    -- Synchronous, active high: BRAKED, no causes.
+    rst                   : in    std_ulogic;
+    -- Emergency stop, asynchronous, '0' stops.
+    estop_n               : in    std_ulogic;
+    -- A rising edge starts, a low level stops.
+    enable                : in    std_ulogic;
+    -- One clock: leave FAULT, forget its causes.
+    clear                 : in    std_ulogic;
+    -- One clock: the host is alive.
+    kick                  : in    std_ulogic;
+    -- Encoder counts and clocks per 4 counts (gc_speed_meter), axis 1 lowest.
+    in_count              : in    signed(inputs_c * count_bits_c - 1 downto 0);
+    in_period             : in    signed(inputs_c * 32 - 1 downto 0);
+    in_referenced         : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    in_illegal            : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    -- One clock per result of the core, and its flags.
+    in_result             : in    std_ulogic;
+    in_clamped            : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    in_saturated          : in    std_ulogic_vector(outputs_c - 1 downto 0);
+    -- The command of the axis is the one asked for.
+    in_settled            : in    std_ulogic_vector(outputs_c - 1 downto 0);
+    -- Levels: loaded constants fail their CRC, the ROM its hash.
+    in_crc_bad            : in    std_ulogic;
+    in_rom_bad            : in    std_ulogic;
+    -- Lowest and highest count that is no fault, axis 1 lowest.
+    cfg_count_low         : in    signed(inputs_c * count_bits_c - 1 downto 0);
+    cfg_count_high        : in    signed(inputs_c * count_bits_c - 1 downto 0);
+    -- Fewest clocks per 4 counts that are no fault.
+    cfg_period_min        : in    unsigned(30 downto 0);
+    -- Longest time that is no fault: saturated or clamped, without a kick, without a result; clocks.
+    cfg_saturation_clocks : in    unsigned(31 downto 0);
+    cfg_watchdog_clocks   : in    unsigned(31 downto 0);
+    cfg_result_clocks     : in    unsigned(31 downto 0);
+    -- Time for a brake to close and for the motors to take the load, clocks.
+    cfg_brake_clocks      : in    unsigned(31 downto 0);
+    -- '0': command to zero.
+    run                   : out   std_ulogic;
+    -- '1' releases the brake of the axis.
+    brake_release         : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_state             : out   safety_state_t;
+    -- Causes of this moment, whether faults or not.
+    sts_present           : out   causes_t;
+    -- Causes since the last clear; those that came first, and where: encoder counts, axis 1 lowest.
+    sts_fault             : out   causes_t;
+    sts_first_cause       : out   causes_t;
+    sts_first_count       : out   signed(inputs_c * count_bits_c - 1 downto 0)
+  );
+end entity gc_safety;
+
+architecture rtl of gc_safety is
+
+  signal estop_known   : std_ulogic;
+  signal estop_level   : std_ulogic_vector(0 downto 0);
+  signal saturated     : std_ulogic;
+  signal not_saturated : std_ulogic;
+  signal saturation_1  : std_ulogic;
+  signal watchdog_1    : std_ulogic;
+  signal result_1      : std_ulogic;
+  signal period_floor  : signed(31 downto 0) := (others => '0');
+  signal flags_1       : causes_t := no_causes_c;
+  signal count_1       : signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
+  signal present       : causes_t;
+  signal healthy       : std_ulogic;
+  signal fault         : causes_t;
+  signal any_fault     : std_ulogic;
+  signal cleared       : std_ulogic;
+  signal settled       : std_ulogic;
+  signal released      : std_ulogic;
+
+begin
+
+  i_estop : entity work.gc_synchronizer
+    generic map (
+      width_g  => 1,
+      stages_g => sync_stages_g
+    )
+    port map (
+      clk           => clk,
+      rst           => rst,
+      async_data(0) => estop_n,
+      out_valid     => estop_known,
+      out_data      => estop_level
+    );
+
+  saturated <= '1' when unsigned(in_saturated) /= 0 or unsigned(in_clamped) /= 0 else '0';
+  not_saturated <= not saturated;
+
+  i_saturation : entity work.gc_timeout
+    port map (
+      clk        => clk,
+      rst        => rst,
+      restart    => not_saturated,
+      cfg_clocks => cfg_saturation_clocks,
+      expired    => saturation_1
+    );
+
+  i_watchdog : entity work.gc_timeout
+    port map (
+      clk        => clk,
+      rst        => rst,
+      restart    => kick,
+      cfg_clocks => cfg_watchdog_clocks,
+      expired    => watchdog_1
+    );
+
+  i_result : entity work.gc_timeout
+    port map (
+      clk        => clk,
+      rst        => rst,
+      restart    => in_result,
+      cfg_clocks => cfg_result_clocks,
+      expired    => result_1
+    );
+
+  -- stage 1: the other causes, and the positions that belong to them
+  p_watch : process (clk) is
+
+    variable count_v  : signed(count_bits_c - 1 downto 0);
+    variable low_v    : signed(count_bits_c - 1 downto 0);
+    variable high_v   : signed(count_bits_c - 1 downto 0);
+    variable period_v : signed(31 downto 0);
+
+  begin
+
+    if rising_edge(clk) then
+      count_1 <= in_count;
+      period_floor <= -signed('0' & cfg_period_min);
+
+      flags_1 <= no_causes_c;
+      flags_1(cause_crc_c) <= in_crc_bad;
+      flags_1(cause_rom_c) <= in_rom_bad;
+
+      for i in 0 to inputs_c - 1 loop
+
+        count_v := in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
+        low_v := cfg_count_low((i + 1) * count_bits_c - 1 downto i * count_bits_c);
+        high_v := cfg_count_high((i + 1) * count_bits_c - 1 downto i * count_bits_c);
+        period_v := in_period((i + 1) * 32 - 1 downto i * 32);
+
+        if in_illegal(i) = '1' then
+          flags_1(cause_encoder_c) <= '1';
+        end if;
+        if in_referenced(i) = '0' then
+          flags_1(cause_reference_c) <= '1';
+        end if;
+        if count_v < low_v or count_v > high_v then
+          flags_1(cause_position_c) <= '1';
+        end if;
+        if period_v > period_floor and period_v < signed('0' & cfg_period_min) then
+          flags_1(cause_speed_c) <= '1';
+        end if;
+
+      end loop;
+
+      if rst = '1' then
+        flags_1 <= no_causes_c;
+      end if;
+    end if;
+
+  end process p_watch;
+
+  p_present : process (all) is
+  begin
+
+    present <= flags_1;
+    present(cause_estop_c) <= estop_known and not estop_level(0);
+    present(cause_saturation_c) <= saturation_1;
+    present(cause_watchdog_c) <= watchdog_1;
+    present(cause_result_c) <= result_1;
+
+  end process p_present;
+
+  -- stage 2: what the causes mean in this state
+  healthy <= '1' when present = no_causes_c and estop_known = '1' else '0';
+  fault <= present and always_causes_c when sts_state = state_braked_c else present;
+  any_fault <= '1' when fault /= no_causes_c else '0';
+  cleared <= clear and healthy;
+
+  i_latch : entity work.gc_fault_latch
+    port map (
+      clk         => clk,
+      rst         => rst,
+      in_clear    => cleared,
+      in_fault    => fault,
+      in_count    => count_1,
+      sts_fault   => sts_fault,
+      first_cause => sts_first_cause,
+      first_count => sts_first_count
+    );
+
+  settled <= '1' when signed(in_settled) = -1 else '0';
+
+  i_sequencer : entity work.gc_brake_sequencer
+    port map (
+      clk              => clk,
+      rst              => rst,
+      enable           => enable,
+      clear            => clear,
+      in_fault         => any_fault,
+      in_healthy       => healthy,
+      in_settled       => settled,
+      cfg_brake_clocks => cfg_brake_clocks,
+      state            => sts_state,
+      run              => run,
+      brake_release    => released
+    );
+
+  brake_release <= (others => released);
+  sts_present <= present;
+
+end architecture rtl;

@@ -1,0 +1,85 @@
+-- SPDX-License-Identifier: MIT
+--
+-- Safety: states, causes of a fault, default limits of the positions.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_fixed_pkg.all;
+  use work.gc_network_pkg.all;
+
+package gc_safety_pkg is
+
+  -- States; any two differ in two bits, so no single upset leads from one to another.
+
+  subtype safety_state_t is std_ulogic_vector(2 downto 0);
+
+  constant state_braked_c  : safety_state_t := "000";
+  constant state_holding_c : safety_state_t := "011";
+  constant state_run_c     : safety_state_t := "101";
+  constant state_fault_c   : safety_state_t := "110";
+
+  -- Causes, bit by bit; docs/safety.md says when each is present.
+  constant causes_c           : positive := 10;
+  constant cause_estop_c      : natural  := 0;
+  constant cause_encoder_c    : natural  := 1;
+  constant cause_crc_c        : natural  := 2;
+  constant cause_rom_c        : natural  := 3;
+  constant cause_speed_c      : natural  := 4;
+  constant cause_position_c   : natural  := 5;
+  constant cause_saturation_c : natural  := 6;
+  constant cause_watchdog_c   : natural  := 7;
+  constant cause_result_c     : natural  := 8;
+  constant cause_reference_c  : natural  := 9;
+
+  subtype causes_t is std_ulogic_vector(causes_c - 1 downto 0);
+
+  constant no_causes_c : causes_t := (others => '0');
+
+  -- Causes that are faults while braked, too; the others keep the brakes engaged then.
+  constant always_causes_c : causes_t := (cause_rom_c downto cause_estop_c => '1', others => '0');
+
+  -- Default position limits: the trained range of each axis and 2 mm beyond, encoder counts, axis 1 lowest.
+  constant position_margin_c : natural := 2000;
+
+  function flat_limits (
+    counts : counts_t;
+    offset : integer
+  ) return signed;
+
+  constant position_low_c  : signed(inputs_c * count_bits_c - 1 downto 0);
+  constant position_high_c : signed(inputs_c * count_bits_c - 1 downto 0);
+
+end package gc_safety_pkg;
+
+package body gc_safety_pkg is
+
+  function flat_limits (
+    counts : counts_t;
+    offset : integer
+  ) return signed is
+
+    variable limit_v : signed(count_bits_c downto 0);
+    variable flat_v  : signed(inputs_c * count_bits_c - 1 downto 0);
+
+  begin
+
+    for i in counts'range loop
+
+      limit_v := to_signed(counts(i), count_bits_c + 1) + offset;
+      flat_v((i + 1) * count_bits_c - 1 downto i * count_bits_c) := saturate(limit_v, count_bits_c);
+
+    end loop;
+
+    return flat_v;
+
+  end function flat_limits;
+
+  constant position_low_c  : signed(inputs_c * count_bits_c - 1 downto 0) := flat_limits(count_low_c,
+                                                                                         -position_margin_c);
+  constant position_high_c : signed(inputs_c * count_bits_c - 1 downto 0) := flat_limits(count_high_c,
+                                                                                         position_margin_c);
+
+end package body gc_safety_pkg;

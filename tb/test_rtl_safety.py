@@ -1,0 +1,245 @@
+"""gc_safety equals its twin on every clock; every cause is answered as docs/safety.md says."""
+
+import os
+import re
+
+import cocotb
+import numpy as np
+
+from codes import ROOT, fixed_network, pack, unpack
+from gravcomp.network.quantise import COUNT_BITS
+from gravcomp.system.safety import ALWAYS, Cause, State, safety
+from playback import play
+from runner import RTL, simulate
+
+OUTPUTS = ("run", "brake_release", "sts_state", "sts_present", "sts_fault", "sts_first_cause", "sts_first_count")
+PERIOD_BITS = 32
+WIDTHS = {name: COUNT_BITS for name in ("in_count", "cfg_count_low", "cfg_count_high")} | {
+    "in_period": PERIOD_BITS,
+    **{name: 1 for name in ("in_referenced", "in_illegal", "in_clamped", "in_saturated", "in_settled")},
+}
+STILL = 2**31 - 1  # speed_period at standstill
+PERIOD_MIN, REACH, SATURATION, WATCHDOG, RESULT, BRAKE = 100, 5000, 20, 50, 30, 10
+ENABLED, RUNNING, ONSET = 10, 40, 100  # clocks of the directed tests
+
+
+def quiet_inputs(n_clocks: int) -> dict[str, np.ndarray]:
+    """Nothing speaks against motion: referenced, still, within limits, a kick and a result every eighth clock."""
+    n_axes = fixed_network().n_axes
+    zero, axes_zero = np.zeros(n_clocks, np.int64), np.zeros((n_clocks, n_axes), np.int64)
+    pulses = (np.arange(n_clocks) % 8 == 0).astype(np.int64)
+    inputs = {name: zero for name in ("rst", "enable", "clear", "in_crc_bad", "in_rom_bad")}
+    inputs |= {"estop_n": zero + 1, "kick": pulses, "in_result": pulses}
+    inputs |= {name: axes_zero for name in ("in_illegal", "in_clamped", "in_saturated")}
+    inputs |= {"in_referenced": axes_zero + 1, "in_settled": axes_zero + 1, "in_period": axes_zero + STILL}
+    inputs |= {"in_count": 7 * np.arange(n_clocks)[:, None] + 1000 * np.arange(n_axes)}
+    inputs |= {"cfg_count_low": axes_zero - REACH, "cfg_count_high": axes_zero + REACH}
+    limits = {"period_min": PERIOD_MIN, "saturation_clocks": SATURATION, "watchdog_clocks": WATCHDOG}
+    limits |= {"result_clocks": RESULT, "brake_clocks": BRAKE}
+    inputs |= {f"cfg_{name}": zero + value for name, value in limits.items()}
+    return {name: values.copy() for name, values in inputs.items()}
+
+
+def present_it(inputs: dict[str, np.ndarray], cause: Cause, clocks: slice, axis: int) -> None:
+    """Makes the cause happen in those clocks, on that axis where it has one. A time-out: the clocks of silence."""
+    name, value = {
+        Cause.ESTOP: ("estop_n", 0),
+        Cause.ENCODER: ("in_illegal", 1),
+        Cause.CRC: ("in_crc_bad", 1),
+        Cause.ROM: ("in_rom_bad", 1),
+        Cause.SPEED: ("in_period", (PERIOD_MIN - 1) * (1 - 2 * (axis % 2))),
+        Cause.POSITION: ("in_count", (REACH + 1) * (1 - 2 * (axis % 2))),
+        Cause.SATURATION: ("in_saturated" if axis % 2 else "in_clamped", 1),
+        Cause.WATCHDOG: ("kick", 0),
+        Cause.RESULT: ("in_result", 0),
+        Cause.REFERENCE: ("in_referenced", 0),
+    }[cause]
+    inputs[name][(clocks, axis) if inputs[name].ndim == 2 else clocks] = value
+
+
+async def run_and_compare(dut, inputs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Outputs of the RTL, codes unsigned and axes apart, after they were found equal to the twin's."""
+    packed = {
+        name: np.array([pack(row, WIDTHS[name]) for row in values], object) if name in WIDTHS else values
+        for name, values in inputs.items()
+    }
+    got = await play(dut, packed, OUTPUTS)
+    n_axes = inputs["in_count"].shape[1]
+    for name in ("sts_state", "sts_present", "sts_fault", "sts_first_cause"):
+        got[name] &= (1 << len(getattr(dut, name))) - 1
+    assert set(got["brake_release"].tolist()) <= {0, -1}, "the brakes of all axes move together"
+    got["brake_release"] = -got["brake_release"]
+    got["sts_first_count"] = unpack(got["sts_first_count"], COUNT_BITS, n_axes)
+    expected = safety(inputs, int(os.environ["SYNC_STAGES_G"]))
+    for name in OUTPUTS:
+        np.testing.assert_array_equal(got[name], expected[name], err_msg=name)
+    return got
+
+
+def documented_clocks(cause: Cause) -> int:
+    """The reaction of docs/safety.md, with the limits of these tests and the synchroniser's stages."""
+    row = re.search(rf"^\| {cause.name.lower()} \| {cause:d} \|.*$", (ROOT / "docs" / "safety.md").read_text(), re.M)
+    clocks, watched = (cell.strip() for cell in row.group().split("|")[4:6])
+    assert (watched == "always") == bool(ALWAYS & cause.mask)
+    limit = {Cause.SATURATION: SATURATION, Cause.WATCHDOG: WATCHDOG, Cause.RESULT: RESULT}.get(cause, 0)
+    extra_stages = int(os.environ["SYNC_STAGES_G"]) - 2 if cause == Cause.ESTOP else 0
+    return limit + int(clocks.removeprefix("limit + ")) + extra_stages
+
+
+@cocotb.test()
+@cocotb.parametrize(cause=list(Cause))
+async def reacts_to_a_cause(dut, cause):
+    end, n_axes = 300, fixed_network().n_axes
+    for axis in range(n_axes):
+        inputs = quiet_inputs(420)
+        inputs["enable"][ENABLED:370] = 1
+        inputs["enable"][380:] = 1
+        inputs["clear"][[200, 250, 340]] = 1
+        inputs["kick"][ONSET - 1] = inputs["in_result"][ONSET - 1] = 1
+        present_it(inputs, cause, slice(ONSET, end), axis)
+        got = await run_and_compare(dut, inputs)
+        assert (got["sts_state"][RUNNING:ONSET] == State.RUN).all()
+        reaction = int(np.flatnonzero(got["brake_release"][ONSET:] == 0)[0])
+        assert reaction == documented_clocks(cause)
+        stop = ONSET + reaction
+        assert (got["run"][:stop][RUNNING:] == 1).all()
+        assert not got["run"][stop:381].any()
+        assert not got["brake_release"][stop:381].any()
+        assert (got["sts_state"][stop:341] == State.FAULT).all(), "clear while the cause lasts does not help"
+        assert (got["sts_first_cause"][stop:341] == cause.mask).all()
+        assert (got["sts_fault"][stop:341] == cause.mask).all()
+        assert (got["sts_first_count"][stop:] == inputs["in_count"][stop - 2]).all()
+        assert (got["sts_state"][341:381] == State.BRAKED).all(), "only a new edge of enable starts"
+        assert not got["sts_fault"][341:].any()
+        assert got["sts_state"][-1] == State.RUN
+    cocotb.log.info("%s: brakes engaged after %d clocks", cause.name.lower(), reaction)
+
+
+@cocotb.test()
+@cocotb.parametrize(cause=list(Cause))
+async def causes_while_braked(dut, cause):
+    """Some are faults, the others keep the brakes engaged; enable that rose meanwhile starts nothing later."""
+    inputs = quiet_inputs(320)
+    present_it(inputs, cause, slice(0, 200), 0)
+    inputs["enable"][150:250] = 1
+    inputs["enable"][260:] = 1
+    inputs["clear"][230] = 1
+    got = await run_and_compare(dut, inputs)
+    is_fault = bool(ALWAYS & cause.mask)
+    assert (got["sts_state"][140:200] == (State.FAULT if is_fault else State.BRAKED)).all()
+    assert (got["sts_present"][140:200] == cause.mask).all()
+    assert not got["brake_release"][:261].any()
+    assert not got["run"][:261].any()
+    assert (got["sts_fault"][140:200] == cause.mask * is_fault).all()
+    assert got["sts_state"][-1] == State.RUN
+
+
+@cocotb.test()
+async def values_at_the_limit_are_no_fault(dut):
+    for axis in range(fixed_network().n_axes):
+        inputs, sign = quiet_inputs(300), 1 - 2 * (axis % 2)
+        inputs["enable"][ENABLED:] = 1
+        inputs["in_period"][ONSET:, axis] = sign * PERIOD_MIN
+        inputs["in_count"][ONSET:, axis] = sign * REACH
+        inputs["kick"][ONSET + 1 : ONSET + 1 + WATCHDOG] = 0
+        inputs["kick"][[ONSET, ONSET + 1 + WATCHDOG]] = 1
+        inputs["in_result"][ONSET + 1 : ONSET + 1 + RESULT] = 0
+        inputs["in_result"][[ONSET, ONSET + 1 + RESULT]] = 1
+        inputs["in_saturated"][ONSET : ONSET + SATURATION, axis] = 1
+        got = await run_and_compare(dut, inputs)
+        assert (got["sts_state"][RUNNING:] == State.RUN).all()
+
+
+@cocotb.test()
+async def simultaneous_causes_are_first_together(dut):
+    inputs = quiet_inputs(200)
+    inputs["enable"][ENABLED:] = 1
+    for cause in (Cause.CRC, Cause.SPEED, Cause.POSITION):
+        present_it(inputs, cause, slice(ONSET, ONSET + 1), 1)
+    present_it(inputs, Cause.ROM, slice(ONSET + 1, ONSET + 2), 0)
+    got = await run_and_compare(dut, inputs)
+    first = Cause.CRC.mask | Cause.SPEED.mask | Cause.POSITION.mask
+    assert got["sts_first_cause"][-1] == first
+    assert got["sts_fault"][-1] == first | Cause.ROM.mask
+    assert (got["sts_first_count"][-1] == inputs["in_count"][ONSET]).all()
+
+
+@cocotb.test()
+async def starts_with_enable_high_only_after_an_edge(dut):
+    """Power-up and reset, in every state, end with brakes engaged, and a level of enable starts nothing."""
+    for reset_at in (5, ENABLED + 3, 60):
+        inputs = quiet_inputs(140)
+        inputs["enable"][:] = reset_at == 5
+        inputs["enable"][ENABLED:] = 1
+        inputs["rst"][reset_at] = 1
+        inputs["enable"][[100, 101]] = 0
+        got = await run_and_compare(dut, inputs)
+        assert not got["run"][reset_at + 1 : 102].any()
+        assert not got["brake_release"][reset_at + 1 : 102].any()
+        assert got["sts_state"][-1] == State.RUN
+
+
+@cocotb.test()
+async def brakes_open_when_the_motors_hold_and_close_before_they_let_go(dut):
+    inputs = quiet_inputs(200)
+    inputs["enable"][ENABLED:120] = 1
+    inputs["in_settled"][:50, 1] = 0
+    got = await run_and_compare(dut, inputs)
+    run, released = np.flatnonzero(got["run"]), np.flatnonzero(got["brake_release"])
+    assert run[0] == ENABLED + 1
+    assert released[0] == 50 + BRAKE + 2
+    assert released[-1] == 120
+    assert run[-1] - released[-1] == BRAKE + 2
+    assert len(run) == run[-1] - run[0] + 1
+    assert len(released) == released[-1] - released[0] + 1
+
+
+@cocotb.test()
+@cocotb.parametrize(seed=[71, 72])
+async def random_causes_and_commands(dut, seed):
+    cocotb.log.info("seed %d", seed)
+    got = await run_and_compare(dut, random_inputs(np.random.default_rng(seed), 8000))
+    visits = {state.name: _rises(got["sts_state"] == state) for state in State}
+    latched = {cause.name: _rises(got["sts_fault"] & cause.mask != 0) for cause in Cause}
+    cocotb.log.info("entered %s, latched %s", visits, latched)
+    assert min(visits.values()) >= 20
+    assert min(latched.values()) >= 2
+
+
+def _rises(level: np.ndarray) -> int:
+    return int((np.diff(level.astype(int)) > 0).sum())
+
+
+def random_inputs(rng: np.random.Generator, n_clocks: int) -> dict[str, np.ndarray]:
+    """Quiet inputs with bursts of causes on random axes, random enable, clear, settled, resets and limits."""
+    inputs = quiet_inputs(n_clocks)
+    n_axes = inputs["in_count"].shape[1]
+    inputs["in_count"] = np.where(rng.random((n_clocks, n_axes)) < 0.99, inputs["in_count"] % REACH, -REACH)
+    for _ in range(n_clocks // 50):
+        start, cause = int(rng.integers(n_clocks)), Cause(rng.integers(len(Cause)))
+        lengths = [1, 2, 5, SATURATION, RESULT + 9, WATCHDOG + 9]
+        present_it(inputs, cause, slice(start, start + int(rng.choice(lengths))), int(rng.integers(n_axes)))
+    inputs["enable"] = (np.cumsum(rng.random(n_clocks) < 0.04) % 2).astype(np.int64)
+    inputs["clear"] = (rng.random(n_clocks) < 0.2).astype(np.int64)
+    inputs["rst"] = (rng.random(n_clocks) < 0.0005).astype(np.int64)
+    inputs["in_settled"] = (rng.random((n_clocks // 10, n_axes)) < 0.97).repeat(10, axis=0).astype(np.int64)
+    for name, high in (("cfg_brake_clocks", 12), ("cfg_saturation_clocks", 30), ("cfg_period_min", 2 * PERIOD_MIN)):
+        inputs[name] = rng.integers(0, high, n_clocks // 200).repeat(200)
+    return inputs
+
+
+def test_safety_equals_twin():
+    simulate("gc_safety", "test_rtl_safety", generics={"sync_stages_g": 2})
+
+
+def test_safety_waits_for_its_synchroniser():
+    simulate("gc_safety", "test_rtl_safety", generics={"sync_stages_g": 3}, tests="ESTOP|after_an_edge")
+
+
+def test_safety_codes_equal_package():
+    text = (RTL / "gc_safety_pkg.vhd").read_text()
+    causes = {name.upper(): int(bit) for name, bit in re.findall(r"cause_(\w+)_c +: natural +:= (\d+)", text)}
+    states = {name.upper(): int(code, 2) for name, code in re.findall(r'state_(\w+)_c +: \w+ := "(\d+)"', text)}
+    assert causes == {cause.name: cause.value for cause in Cause}
+    assert states == {state.name: state.value for state in State}
+    assert re.search(r"causes_c +: positive := (\d+)", text).group(1) == str(len(Cause))
