@@ -76,37 +76,25 @@ begin
       enable_1 <= enable;
       next_v := state;
 
-      case state is
-
-        when state_braked_c =>
-
-          if enable = '1' and enable_1 = '0' and in_healthy = '1' then
-            next_v := state_holding_c;
-          end if;
-
-        when state_holding_c =>
-
-          if expired = '1' and restart = '0' then
-            next_v := state_run_c when enable = '1' else state_braked_c;
-          end if;
-
-        when state_run_c =>
-
-          if enable = '0' then
-            next_v := state_holding_c;
-          end if;
-
-        when state_fault_c =>
-
-          if clear = '1' and in_healthy = '1' then
-            next_v := state_braked_c;
-          end if;
-
-        when others =>
-
-          next_v := state_fault_c;
-
-      end case;
+      if state = state_braked_c then
+        if enable = '1' and enable_1 = '0' and in_healthy = '1' then
+          next_v := state_holding_c;
+        end if;
+      elsif state = state_holding_c then
+        if expired = '1' and restart = '0' then
+          next_v := state_run_c when enable = '1' else state_braked_c;
+        end if;
+      elsif state = state_run_c then
+        if enable = '0' then
+          next_v := state_holding_c;
+        end if;
+      elsif state = state_fault_c then
+        if clear = '1' and in_healthy = '1' then
+          next_v := state_braked_c;
+        end if;
+      else
+        next_v := state_fault_c;
+      end if;
 
       if in_fault = '1' then
         next_v := state_fault_c;

@@ -1,0 +1,91 @@
+// Claims of gc_safety about brakes, command and faults, for every behaviour of pins, host, core and limits.
+module safety (
+    input clk,
+    input rst,
+    input estop_n,
+    input enable,
+    input clear,
+    input kick,
+    input [95:0] in_count,
+    input [95:0] in_period,
+    input [2:0] in_referenced,
+    input [2:0] in_illegal,
+    input in_result,
+    input [2:0] in_clamped,
+    input [2:0] in_saturated,
+    input [2:0] in_settled,
+    input in_crc_bad,
+    input in_rom_bad,
+    input [95:0] cfg_count_low,
+    input [95:0] cfg_count_high,
+    input [30:0] cfg_period_min,
+    input [31:0] cfg_saturation_clocks,
+    input [31:0] cfg_watchdog_clocks,
+    input [31:0] cfg_result_clocks,
+    input [31:0] cfg_brake_clocks
+);
+
+  localparam [2:0] BRAKED = 3'b000, HOLDING = 3'b011, RUN = 3'b101, FAULT = 3'b110;
+
+  wire run;
+  wire [2:0] brake_release, state;
+  wire [9:0] present, fault, first_cause;
+  wire [95:0] first_count;
+
+  gc_safety dut (
+      .clk(clk), .rst(rst), .estop_n(estop_n), .enable(enable), .clear(clear), .kick(kick), .in_count(in_count),
+      .in_period(in_period), .in_referenced(in_referenced), .in_illegal(in_illegal), .in_result(in_result),
+      .in_clamped(in_clamped), .in_saturated(in_saturated), .in_settled(in_settled), .in_crc_bad(in_crc_bad),
+      .in_rom_bad(in_rom_bad), .cfg_count_low(cfg_count_low), .cfg_count_high(cfg_count_high),
+      .cfg_period_min(cfg_period_min), .cfg_saturation_clocks(cfg_saturation_clocks),
+      .cfg_watchdog_clocks(cfg_watchdog_clocks), .cfg_result_clocks(cfg_result_clocks),
+      .cfg_brake_clocks(cfg_brake_clocks), .run(run), .brake_release(brake_release), .sts_state(state),
+      .sts_present(present), .sts_fault(fault), .sts_first_cause(first_cause), .sts_first_count(first_count)
+  );
+
+  // The last clocks; enable counts as high before power-up and in reset.
+  reg rst_1 = 1, clear_1 = 0, run_1 = 0, enable_1 = 1, enable_2 = 1;
+  reg [1:3] estop_n_then = 0;
+  reg [1:2] illegal_then = 0, unreferenced_then = 0;
+  reg [2:0] state_1 = BRAKED, brake_release_1 = 0;
+  reg [9:0] present_1 = 0, fault_1 = 0, first_cause_1 = 0;
+  reg [95:0] first_count_1;
+
+  always @(posedge clk) begin
+    rst_1 <= rst;
+    clear_1 <= clear;
+    run_1 <= run;
+    enable_1 <= rst || enable;
+    enable_2 <= enable_1;
+    estop_n_then <= {estop_n, estop_n_then[1:2]};
+    illegal_then <= {|in_illegal, illegal_then[1]};
+    unreferenced_then <= {!(&in_referenced), unreferenced_then[1]};
+    state_1 <= state;
+    brake_release_1 <= brake_release;
+    present_1 <= present;
+    fault_1 <= fault;
+    first_cause_1 <= first_cause;
+    first_count_1 <= first_count;
+  end
+
+  always @* begin
+    state_is_legal : assert (state == BRAKED || state == HOLDING || state == RUN || state == FAULT);
+    brakes_are_engaged_but_in_run : assert (brake_release == (state == RUN ? 3'b111 : 3'b000));
+    command_is_zero_braked_and_in_fault : assert (run == (state == HOLDING || state == RUN));
+    brakes_open_after_the_motors_hold : assert (!brake_release || brake_release_1 || state_1 == HOLDING && enable_1);
+    emergency_stop_engages_the_brakes : assert (estop_n_then[3] || !brake_release && !run);
+    lost_counts_engage_the_brakes : assert (!illegal_then[2] || !brake_release && !run);
+    lost_reference_engages_the_brakes : assert (!unreferenced_then[2] || !brake_release && !run);
+    causes_engage_the_brakes : assert (!present_1 || !brake_release && !run);
+    motion_starts_by_an_edge_while_healthy :
+      assert (!run || run_1 || enable_1 && !enable_2 && !present_1 && state_1 == BRAKED);
+    fault_lasts_until_clear_while_healthy :
+      assert (state_1 != FAULT || state == FAULT || rst_1 || clear_1 && !present_1 && state == BRAKED);
+    fault_is_the_state_of_latched_causes : assert (fault != 0 == (state == FAULT));
+    causes_are_kept : assert (rst_1 || state != FAULT || (fault_1 & ~fault) == 0);
+    first_cause_is_one_of_them : assert ((first_cause & ~fault) == 0 && (first_cause != 0) == (fault != 0));
+    first_is_kept :
+      assert (rst_1 || state != FAULT || state_1 != FAULT || first_cause == first_cause_1 && first_count == first_count_1);
+  end
+
+endmodule
