@@ -180,6 +180,18 @@ async def starts_with_enable_high_only_after_an_edge(dut):
 
 
 @cocotb.test()
+async def nothing_starts_before_the_emergency_stop_is_known(dut):
+    """An enable that rises while the synchroniser fills after reset starts nothing, pressed or not."""
+    for estop_n in (0, 1):
+        inputs = quiet_inputs(60)
+        inputs["estop_n"][:] = estop_n
+        inputs["enable"][1:] = 1
+        got = await run_and_compare(dut, inputs)
+        assert not got["run"].any()
+        assert not got["brake_release"].any()
+
+
+@cocotb.test()
 async def brakes_open_when_the_motors_hold_and_close_before_they_let_go(dut):
     inputs = quiet_inputs(200)
     inputs["enable"][ENABLED:120] = 1
