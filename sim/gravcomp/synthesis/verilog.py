@@ -30,14 +30,16 @@ def to_verilog(sources: Sequence[Path], top: str, generics: Mapping[str, int], o
 
 
 def repair(verilog: str) -> str:
-    """GHDL 2.0.0's Verilog with its two known faults mended; InputError for what would be silently wrong.
+    """GHDL 2.0.0's Verilog with its three known faults mended; InputError for what would be silently wrong.
 
-    Constants wider than 32 bits are written as strings, which Verilog reads as ASCII. A signed product is written as
-    one of sign-extended operands, which costs three DSP blocks for one. Operators that Verilog lacks come out as VHDL
-    text, a case without default would be a latch: neither is mended, the VHDL must avoid them.
+    Constants wider than 32 bits are written as strings, which Verilog reads as ASCII. An arithmetic shift is written as
+    a logical one, which loses the sign. A signed product is written as one of sign-extended operands, which costs three
+    DSP blocks for one. Operators that Verilog lacks come out as VHDL text, a case without default would be a latch:
+    neither is mended, the VHDL must avoid them.
     """
     code = re.sub(r"/\*.*?\*/", "", verilog, flags=re.DOTALL)
     code = re.sub(r'"([01]{33,})"', lambda found: f"{len(found[1])}'b{found[1]}", code)
+    code = re.sub(r"(\$signed\(\w+\)) >> ", r"\1 >>> ", code)
     code = _signed_products(code)
     statements = re.sub(r"//.*", "", code)
     for pattern, what in (
