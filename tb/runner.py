@@ -1,8 +1,8 @@
-"""The only caller of the simulator: compiles rtl/sources.f with GHDL and runs the cocotb tests of one entity."""
+"""The only caller of the simulators: runs cocotb tests of an entity, in rtl/ under GHDL or as Verilog under Icarus."""
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from unittest.mock import patch
 
@@ -30,6 +30,7 @@ def simulate(
     environment: Mapping[str, str] | None = None,
     generated: Path = GENERATED,
     extra_sources: tuple[Path, ...] = (),
+    verilog: Sequence[Path] = (),
     tests: str | None = None,
     label: str = "",
     vcd: Path | None = None,
@@ -37,6 +38,7 @@ def simulate(
     """Run the cocotb tests of test_module (a module of tb/) on an entity; AssertionError when one fails or none runs.
 
     generics are set on the entity and handed to the test as environment variables of the same name in upper case.
+    verilog: files to simulate in place of rtl/, under Icarus; generics are then those that the entity was made with.
     tests selects cocotb tests by regular expression; label tells apart builds that share entity and generics.
     """
     generics = dict(generics or {})
@@ -44,12 +46,13 @@ def simulate(
     build_dir = BUILD / "tb" / re.sub(r"[^\w.-]", "_", name)
     build_dir.mkdir(parents=True, exist_ok=True)
     build_log, log = build_dir / "build.log", build_dir / "run.log"
-    runner = get_runner("ghdl")
+    runner = get_runner("icarus" if verilog else "ghdl")
     try:
         runner.build(
-            sources=[*rtl_sources(generated), *extra_sources],
+            sources=verilog or [*rtl_sources(generated), *extra_sources],
             hdl_toplevel=entity,
-            build_args=["--std=08"],
+            build_args=["-g2012"] if verilog else ["--std=08"],
+            timescale=("1ns", "1ps") if verilog else None,
             build_dir=build_dir,
             always=True,
             log_file=build_log,
@@ -67,8 +70,8 @@ def simulate(
             results = runner.test(
                 hdl_toplevel=entity,
                 test_module=test_module,
-                test_args=["--std=08"],
-                parameters=generics,
+                test_args=[] if verilog else ["--std=08"],
+                parameters={} if verilog else generics,
                 plusargs=[f"--vcd={vcd}"] if vcd else [],
                 build_dir=build_dir,
                 test_filter=tests,

@@ -1,0 +1,1 @@
+"""The same network from other people's generators, for comparison: da4ml and NNgen."""
