@@ -1,14 +1,9 @@
 -- SPDX-License-Identifier: MIT
 --
--- Safety: states, causes of a fault, default limits of the positions.
+-- Safety: states, and causes of a fault.
 
 library ieee;
   use ieee.std_logic_1164.all;
-  use ieee.numeric_std.all;
-
-library work;
-  use work.gc_fixed_pkg.all;
-  use work.gc_network_pkg.all;
 
 package gc_safety_pkg is
 
@@ -41,45 +36,4 @@ package gc_safety_pkg is
   -- Causes that are faults while braked, too; the others keep the brakes engaged then.
   constant always_causes_c : causes_t := (cause_rom_c downto cause_estop_c => '1', others => '0');
 
-  -- Default position limits: the trained range of each axis and 2 mm beyond, encoder counts, axis 1 lowest.
-  constant position_margin_c : natural := 2000;
-
-  function flat_limits (
-    counts : counts_t;
-    offset : integer
-  ) return signed;
-
-  constant position_low_c  : signed(inputs_c * count_bits_c - 1 downto 0);
-  constant position_high_c : signed(inputs_c * count_bits_c - 1 downto 0);
-
 end package gc_safety_pkg;
-
-package body gc_safety_pkg is
-
-  function flat_limits (
-    counts : counts_t;
-    offset : integer
-  ) return signed is
-
-    variable limit_v : signed(count_bits_c downto 0);
-    variable flat_v  : signed(inputs_c * count_bits_c - 1 downto 0);
-
-  begin
-
-    for i in counts'range loop
-
-      limit_v := to_signed(counts(i), count_bits_c + 1) + offset;
-      flat_v((i + 1) * count_bits_c - 1 downto i * count_bits_c) := saturate(limit_v, count_bits_c);
-
-    end loop;
-
-    return flat_v;
-
-  end function flat_limits;
-
-  constant position_low_c  : signed(inputs_c * count_bits_c - 1 downto 0) := flat_limits(count_low_c,
-                                                                                         -position_margin_c);
-  constant position_high_c : signed(inputs_c * count_bits_c - 1 downto 0) := flat_limits(count_high_c,
-                                                                                         position_margin_c);
-
-end package body gc_safety_pkg;

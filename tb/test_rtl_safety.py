@@ -8,7 +8,7 @@ import numpy as np
 
 from codes import ROOT, fixed_network, pack, unpack
 from gravcomp.network.quantise import COUNT_BITS
-from gravcomp.system.safety import ALWAYS, Cause, State, safety
+from gravcomp.system.safety import ALWAYS, Cause, State, position_window, safety
 from playback import play
 from runner import RTL, simulate
 
@@ -19,7 +19,8 @@ WIDTHS = {name: COUNT_BITS for name in ("in_count", "cfg_count_low", "cfg_count_
     **{name: 1 for name in ("in_referenced", "in_illegal", "in_clamped", "in_saturated", "in_settled")},
 }
 STILL = 2**31 - 1  # speed_period at standstill
-PERIOD_MIN, REACH, SATURATION, WATCHDOG, RESULT, BRAKE = 100, 5000, 20, 50, 30, 10
+PERIOD_MIN, SATURATION, WATCHDOG, RESULT, BRAKE = 100, 20, 40, 30, 10
+LIMITS = {Cause.SATURATION: SATURATION, Cause.WATCHDOG: WATCHDOG, Cause.RESULT: RESULT}
 ENABLED, RUNNING, ONSET = 10, 40, 100  # clocks of the directed tests
 
 
@@ -33,7 +34,8 @@ def quiet_inputs(n_clocks: int) -> dict[str, np.ndarray]:
     inputs |= {name: axes_zero for name in ("in_illegal", "in_clamped", "in_saturated")}
     inputs |= {"in_referenced": axes_zero + 1, "in_settled": axes_zero + 1, "in_period": axes_zero + STILL}
     inputs |= {"in_count": 7 * np.arange(n_clocks)[:, None] + 1000 * np.arange(n_axes)}
-    inputs |= {"cfg_count_low": axes_zero - REACH, "cfg_count_high": axes_zero + REACH}
+    low, high = position_window(fixed_network())
+    inputs |= {"cfg_count_low": axes_zero + low, "cfg_count_high": axes_zero + high}
     limits = {"period_min": PERIOD_MIN, "saturation_clocks": SATURATION, "watchdog_clocks": WATCHDOG}
     limits |= {"result_clocks": RESULT, "brake_clocks": BRAKE}
     inputs |= {f"cfg_{name}": zero + value for name, value in limits.items()}
@@ -42,13 +44,14 @@ def quiet_inputs(n_clocks: int) -> dict[str, np.ndarray]:
 
 def present_it(inputs: dict[str, np.ndarray], cause: Cause, clocks: slice, axis: int) -> None:
     """Makes the cause happen in those clocks, on that axis where it has one. A time-out: the clocks of silence."""
+    low, high = position_window(fixed_network())
     name, value = {
         Cause.ESTOP: ("estop_n", 0),
         Cause.ENCODER: ("in_illegal", 1),
         Cause.CRC: ("in_crc_bad", 1),
         Cause.ROM: ("in_rom_bad", 1),
         Cause.SPEED: ("in_period", (PERIOD_MIN - 1) * (1 - 2 * (axis % 2))),
-        Cause.POSITION: ("in_count", (REACH + 1) * (1 - 2 * (axis % 2))),
+        Cause.POSITION: ("in_count", high[axis] + 1 if axis % 2 else low[axis] - 1),
         Cause.SATURATION: ("in_saturated" if axis % 2 else "in_clamped", 1),
         Cause.WATCHDOG: ("kick", 0),
         Cause.RESULT: ("in_result", 0),
@@ -81,9 +84,8 @@ def documented_clocks(cause: Cause) -> int:
     row = re.search(rf"^\| {cause.name.lower()} \| {cause:d} \|.*$", (ROOT / "docs" / "safety.md").read_text(), re.M)
     clocks, watched = (cell.strip() for cell in row.group().split("|")[4:6])
     assert (watched == "always") == bool(ALWAYS & cause.mask)
-    limit = {Cause.SATURATION: SATURATION, Cause.WATCHDOG: WATCHDOG, Cause.RESULT: RESULT}.get(cause, 0)
     extra_stages = int(os.environ["SYNC_STAGES_G"]) - 2 if cause == Cause.ESTOP else 0
-    return limit + int(clocks.removeprefix("limit + ")) + extra_stages
+    return LIMITS.get(cause, 0) + int(clocks.removeprefix("limit + ")) + extra_stages
 
 
 @cocotb.test()
@@ -140,7 +142,7 @@ async def values_at_the_limit_are_no_fault(dut):
         inputs, sign = quiet_inputs(300), 1 - 2 * (axis % 2)
         inputs["enable"][ENABLED:] = 1
         inputs["in_period"][ONSET:, axis] = sign * PERIOD_MIN
-        inputs["in_count"][ONSET:, axis] = sign * REACH
+        inputs["in_count"][ONSET:, axis] = position_window(fixed_network())[axis % 2][axis]
         inputs["kick"][ONSET + 1 : ONSET + 1 + WATCHDOG] = 0
         inputs["kick"][[ONSET, ONSET + 1 + WATCHDOG]] = 1
         inputs["in_result"][ONSET + 1 : ONSET + 1 + RESULT] = 0
@@ -226,13 +228,13 @@ def random_inputs(rng: np.random.Generator, n_clocks: int) -> dict[str, np.ndarr
     """Quiet inputs with bursts of causes on random axes, random enable, clear, settled, resets and limits."""
     inputs = quiet_inputs(n_clocks)
     n_axes = inputs["in_count"].shape[1]
-    inputs["in_count"] = np.where(rng.random((n_clocks, n_axes)) < 0.99, inputs["in_count"] % REACH, -REACH)
-    for _ in range(n_clocks // 50):
-        start, cause = int(rng.integers(n_clocks)), Cause(rng.integers(len(Cause)))
-        lengths = [1, 2, 5, SATURATION, RESULT + 9, WATCHDOG + 9]
-        present_it(inputs, cause, slice(start, start + int(rng.choice(lengths))), int(rng.integers(n_axes)))
-    inputs["enable"] = (np.cumsum(rng.random(n_clocks) < 0.04) % 2).astype(np.int64)
-    inputs["clear"] = (rng.random(n_clocks) < 0.2).astype(np.int64)
+    low, high = position_window(fixed_network())
+    inputs["in_count"] = np.where(rng.random((n_clocks, n_axes)) < 0.99, inputs["in_count"], rng.choice([low, high]))
+    for cause in list(Cause) * (n_clocks // 500):
+        start, length = int(rng.integers(n_clocks)), LIMITS.get(cause, 0) + int(rng.choice([1, 2, 5, 20]))
+        present_it(inputs, cause, slice(start, start + length), int(rng.integers(n_axes)))
+    inputs["enable"] = (np.cumsum(rng.random(n_clocks) < 0.03) % 2).astype(np.int64)
+    inputs["clear"] = (rng.random(n_clocks) < 0.1).astype(np.int64)
     inputs["rst"] = (rng.random(n_clocks) < 0.0005).astype(np.int64)
     inputs["in_settled"] = (rng.random((n_clocks // 10, n_axes)) < 0.97).repeat(10, axis=0).astype(np.int64)
     for name, high in (("cfg_brake_clocks", 12), ("cfg_saturation_clocks", 30), ("cfg_period_min", 2 * PERIOD_MIN)):
