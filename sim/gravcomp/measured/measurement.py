@@ -99,7 +99,7 @@ class Measurement:
         """dF_i/dq_j of the model by central differences, (n, k, k); None without force_at."""
         if self.force_at is None:
             return None
-        step = 1e-5 * np.ptp(self.q, axis=0).max()
+        step = 1e-5 * (np.ptp(self.q, axis=0).max() or 1.0)
         columns = [
             (self.force_at(self.q + step * unit) - self.force_at(self.q - step * unit)) / (2 * step)
             for unit in np.eye(self.n_axes)

@@ -1,0 +1,44 @@
+"""Samples of the built-in robot for tests of the measured side: holds and slow motion, without any effect or noise."""
+
+from functools import partial
+
+import numpy as np
+
+from gravcomp.measured.measurement import Measurement
+from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.statics import holding_forces_at
+
+P = load_parameters()
+REACH_M = 0.08  # inside the joint space for any combination of signs
+MOTION_M = 0.06
+MOTION_RAD_PER_S = np.array([0.5, 0.67, 0.83])
+MOTION_PHASE_RAD = np.array([0.3, 1.1, 2.0])
+
+
+def sampled(t_s, q, v, temp_c=None) -> Measurement:
+    """Rows of the robot whose measured force is the model's."""
+    f = holding_forces_at(q, P)
+    at = partial(holding_forces_at, p=P)
+    return Measurement("samples", t_s, q, v, f, f, "N", ("m",) * 3, temp_c=temp_c, force_at=at, robot=P)
+
+
+def holds(n: int, seed: int) -> Measurement:
+    """Scattered poses, approached at 0.2 to 10 mm/s in either direction; warming from 20 to 40 degC."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(-REACH_M, REACH_M, (n, 3))
+    v = np.exp(rng.uniform(np.log(2e-4), np.log(1e-2), q.shape)) * rng.choice([-1.0, 1.0], q.shape)
+    return sampled(2.0 * np.arange(n), q, v, np.linspace(20.0, 40.0, n))
+
+
+def motion(n: int) -> Measurement:
+    """q_i = 60 mm sin(w_i t + p_i), 20 rows per second; its acceleration is -w_i^2 q_i."""
+    t = 0.05 * np.arange(n)
+    angle = t[:, None] * MOTION_RAD_PER_S + MOTION_PHASE_RAD
+    return sampled(t, MOTION_M * np.sin(angle), MOTION_M * MOTION_RAD_PER_S * np.cos(angle))
+
+
+def arm(n: int, seed: int) -> Measurement:
+    """One rotary axis with a model of its own, 8 Nm cos q."""
+    q = np.random.default_rng(seed).uniform(-1.5, 1.5, (n, 1))
+    torque = 8.0 * np.cos(q)
+    return Measurement("arm", 2.0 * np.arange(n), q, None, torque, torque, "Nm", ("rad",))
