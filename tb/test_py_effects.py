@@ -1,0 +1,341 @@
+"""Every effect of the vocabulary: its contract, its equation written again, its zero, its fit to data made from it.
+
+Friction is what the motor has to give beside the statics, so it has the sign of the motion.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.stats import binom, chi2
+
+from codes import ROOT
+from gravcomp.measured import effects as registry
+from gravcomp.measured.effects import EFFECTS, NAMES
+from gravcomp.measured.fit import fit_terms
+from gravcomp.measured.measurement import Measurement
+from gravcomp.measured.scan import find_lines, pitch_of
+from gravcomp.measured.search import Term
+from gravcomp.robot.kinematics import direct_kinematics
+from gravcomp.robot.statics import holding_forces_at
+from measured_samples import MOTION_M, MOTION_RAD_PER_S, P, arm, holds, motion, sampled
+
+# name: units by parameter ([q], [f]: units of position and effort in the data), place in hardware
+CONTRACT = {
+    "coulomb_friction": ({"fc": "[f]", "fc_pos": "[f]", "fc_neg": "[f]"}, "compensator"),
+    "viscous_friction": ({"b": "[f] s/[q]", "b_pos": "[f] s/[q]", "b_neg": "[f] s/[q]"}, "compensator"),
+    "stribeck_friction": ({"fc": "[f]", "fs": "[f]", "vs": "[q]/s"}, "compensator"),
+    "passive_joint_friction": ({"fc_prismatic": "N", "fc_rotary": "Nm"}, "none"),
+    "load_dependent_friction": ({"mu": "1"}, "compensator"),
+    "backlash": ({"gap": "[q]"}, "none"),
+    "cogging": ({"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}, "compensator"),
+    "payload": ({"moment": "kg m", "torque": "[f]"}, "network"),
+    "base_tilt": ({"tilt": "rad"}, "network"),
+    "thrust_constant": ({"gain": "1"}, "network"),
+    "encoder_offset": ({"offset": "[q]"}, "network"),
+    "current_offset": ({"o": "[f]"}, "network"),
+    "cable_spring": ({"k": "[f]/[q]", "q0": "[q]"}, "network"),
+    "link_compliance": ({"c": "[q]/[f]"}, "network"),
+    "thermal_drift": ({"gain": "1 or 1/K", "tau": "s", "t0": "degC"}, "none"),
+    "inertia": ({"m": "[f] s^2/[q]"}, "none"),
+    "presliding_hysteresis": ({"fc": "[f]", "s": "[q]"}, "none"),
+}
+AXES = (1, 2, 3)
+NOISE_N = 0.1
+SEEDS = range(6)
+
+
+def picked() -> Measurement:
+    """Hand-picked holds; axis 2 of the third was not moved."""
+    q = np.array([[30, -20, 50], [-60, 10, 0], [20, 70, -40], [-35, -55, -15], [0, 0, 0]]) * 1e-3
+    v = np.array([[4, -1, 2], [-3, 5, -0.5], [1, 0, -6], [-2, 3, 1], [0.3, -8, 2]]) * 1e-3
+    return sampled(np.array([0.0, 10.0, 40.0, 100.0, 500.0]), q, v, np.array([20.0, 25.0, 31.0, 40.0, 22.0]))
+
+
+def each(stem: str, *values: float) -> dict[str, float]:
+    return {f"{stem}_{axis}": value for axis, value in zip(AXES, values, strict=True)}
+
+
+def at(params: dict, stem: str) -> np.ndarray:
+    return np.array([params.get(f"{stem}_{axis}", 0.0) for axis in AXES])
+
+
+def statics(q: np.ndarray) -> np.ndarray:
+    return holding_forces_at(q, P)
+
+
+def by_direction(data, params, stem):
+    return np.where(data.v > 0, at(params, f"{stem}_pos"), np.where(data.v < 0, at(params, f"{stem}_neg"), 0.0))
+
+
+def stribeck(data, params):
+    fc, fs, vs = (at(params, stem) for stem in ("fc", "fs", "vs"))
+    return (fc + (fs - fc) * np.exp(-((data.v / vs) ** 2))) * np.sign(data.v)
+
+
+def passive_positions(q: np.ndarray) -> np.ndarray:
+    """Slides b_i and angles phi_i of the passive joints, (n, 6), from the mechanism's closure."""
+    ends = P.d_m * direct_kinematics(q, P) @ np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])  # columns d R u_i
+    out = []
+    for i in range(3):
+        across = ends[:, :, i].copy()
+        across[:, i] = 0.0  # less q_i e_i
+        out.append((np.linalg.norm(across, axis=1), np.arctan2(across[:, (i + 2) % 3], across[:, (i + 1) % 3])))
+    return np.stack([b for b, _ in out] + [phi for _, phi in out], axis=1)
+
+
+def passive_friction(data, params):
+    step = 1e-6
+    jacobian = np.stack(
+        [(passive_positions(data.q + step * e) - passive_positions(data.q - step * e)) / (2 * step) for e in np.eye(3)],
+        axis=-1,
+    )
+    level = np.repeat([params["fc_prismatic_n"], params["fc_rotary_nm"]], 3)
+    return np.einsum("npk,np->nk", jacobian, level * np.sign(np.einsum("npk,nk->np", jacobian, data.v)))
+
+
+def payload(data, params):
+    """Gradient over q of the potential -g . R (m r)."""
+    moment = np.array([params[f"moment_{axis}"] for axis in "xyz"])
+
+    def potential(q):
+        return -(direct_kinematics(q, P) @ moment) @ (9.81 * np.array([-1.0, -1.0, -1.0]) / np.sqrt(3.0))
+
+    step = 1e-6
+    return np.stack([(potential(data.q + step * e) - potential(data.q - step * e)) / (2 * step) for e in np.eye(3)], -1)
+
+
+def tilted(data, params):
+    first, down = np.array([0.0, -1.0, 1.0]) / np.sqrt(2.0), np.array([-1.0, -1.0, -1.0]) / np.sqrt(3.0)
+    x, y, z = params["tilt_a"] * first + params["tilt_b"] * np.cross(down, first)
+    turned = expm(np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])) @ down
+    return holding_forces_at(data.q, replace(P, gravity_direction=turned)) - statics(data.q)
+
+
+def waves(harmonic: int, amplitudes, phases) -> dict[str, float]:
+    named = each("amplitude", *amplitudes) | each("phase", *phases)
+    return {f"{label}_h{harmonic}": value for label, value in named.items()}
+
+
+def cogging(data, params):
+    force = np.zeros(data.shape)
+    for label in (label for label in params if label.startswith("amplitude")):
+        axis, harmonic = (int(number) for number in re.findall(r"\d+", label))
+        turns = harmonic * data.q[:, axis - 1] / params["pitch"]
+        phase = params[label.replace("amplitude", "phase")]
+        force[:, axis - 1] += params[label] * np.sin(2 * np.pi * turns + phase)
+    return force
+
+
+def dahl(data, params):
+    """After each reversal, at -+60 mm, friction goes from one sign to the other along the travel s; full at first."""
+    way = np.sign(data.v)
+    has_reversed = np.maximum.accumulate(way != way[0], axis=0)
+    since = np.abs(data.q + way * MOTION_M)
+    return at(params, "fc") * way * (1.0 - 2.0 * has_reversed * np.exp(-since / np.maximum(at(params, "s"), 1e-9)))
+
+
+def shifted(data, shift):
+    return statics(data.q + shift) - statics(data.q)
+
+
+@dataclass(frozen=True)
+class Case:
+    """force: the contract's equation. The effect vanishes with the parameters of zeros, in which it may be linear."""
+
+    kind: str
+    params: dict[str, float]
+    zeros: tuple[str, ...]
+    force: Callable[[Measurement, dict], np.ndarray]
+    few: Callable[[], Measurement] = picked
+    many: Callable[[], Measurement] = lambda: holds(400, 5)
+    linear: bool = True
+    tolerance: float = 1e-9
+
+
+MOVING = {"few": lambda: motion(400), "many": lambda: motion(800)}
+CASES = {
+    "coulomb": Case("CoulombFriction", each("fc", 1.0, 2.0, 0.5), ("fc",),
+                    lambda d, p: at(p, "fc") * np.sign(d.v)),
+    "coulomb by direction": Case("DirectionalCoulombFriction",
+                                 each("fc_pos", 1, 2, 0.5) | each("fc_neg", 0.7, 2.5, 0.3), ("fc_pos", "fc_neg"),
+                                 lambda d, p: by_direction(d, p, "fc") * np.sign(d.v)),
+    "viscous": Case("ViscousFriction", each("b", 100.0, 300.0, 200.0), ("b",), lambda d, p: at(p, "b") * d.v),
+    "viscous by direction": Case("DirectionalViscousFriction",
+                                 each("b_pos", 100, 300, 200) | each("b_neg", 150, 200, 90), ("b_pos", "b_neg"),
+                                 lambda d, p: by_direction(d, p, "b") * d.v),
+    "stribeck": Case("StribeckFriction", each("fc", 1, 2, 0.5) | each("fs", 3, 3.5, 2) | each("vs", 2e-3, 3e-3, 1e-3),
+                     ("fc", "fs"), stribeck),
+    "passive joints": Case("PassiveJointFriction", {"fc_prismatic_n": 2.0, "fc_rotary_nm": 0.4},
+                           ("fc_prismatic", "fc_rotary"), passive_friction, lambda: holds(5, 3), tolerance=1e-6),
+    "load": Case("LoadDependentFriction", each("mu", 0.02, 0.05, 0.03), ("mu",),
+                 lambda d, p: at(p, "mu") * np.abs(statics(d.q)) * np.sign(d.v)),
+    "backlash": Case("Backlash", each("gap", 0.004, 0.002, 0.003), ("gap",),
+                     lambda d, p: shifted(d, -at(p, "gap") / 2 * np.sign(d.v)), linear=False),
+    "cogging": Case("Cogging", {"pitch": 0.012} | waves(1, (1.0, 0.8, 0.6), (0.3, -2.0, 1.5))
+                    | waves(2, (0.5, 0.4, 0.7), (2.0, 0.4, -1.0)), ("amplitude",), cogging),
+    "payload": Case("Payload", {"moment_x": 0.1, "moment_y": -0.05, "moment_z": 0.08}, ("moment",), payload,
+                    tolerance=1e-6),
+    "payload of an arm": Case("Payload", {"torque_cos": 0.5, "torque_sin": -0.3}, ("torque",),
+                              lambda d, p: p["torque_cos"] * np.cos(d.q) + p["torque_sin"] * np.sin(d.q),
+                              lambda: arm(5, 1), lambda: arm(400, 2)),
+    "tilt": Case("BaseTilt", {"tilt_a": 0.02, "tilt_b": -0.03}, ("tilt",), tilted, linear=False),
+    "thrust constant": Case("ThrustConstant", each("gain", 0.02, -0.03, 0.05), ("gain",),
+                            lambda d, p: at(p, "gain") * statics(d.q)),
+    "encoder offset": Case("EncoderOffset", each("offset", 0.003, -0.002, 0.004), ("offset",),
+                           lambda d, p: shifted(d, at(p, "offset")), linear=False),
+    "current offset": Case("CurrentOffset", each("o", 0.5, -0.3, 0.8), ("o",),
+                           lambda d, p: np.broadcast_to(at(p, "o"), d.shape)),
+    "spring": Case("CableSpring", each("k", 30.0, -20.0, 40.0) | each("q0", 0.02, 0.05, -0.03), ("k",),
+                   lambda d, p: at(p, "k") * (d.q - at(p, "q0"))),
+    "compliance": Case("LinkCompliance", each("c", 5e-5, 3e-5, 8e-5), ("c",),
+                       lambda d, p: shifted(d, at(p, "c") * statics(d.q)), linear=False),
+    "drift over time": Case("ThermalDrift", each("gain", 0.03, -0.04, 0.05) | {"tau_s": 120.0}, ("gain",),
+                            lambda d, p: at(p, "gain") * (1 - np.exp(-d.t_s[:, None] / p["tau_s"])) * statics(d.q),
+                            lambda: replace(picked(), temp_c=None), lambda: replace(holds(400, 5), temp_c=None)),
+    "drift over temperature": Case("ThermalDrift", each("gain", 2e-3, -3e-3, 5e-3) | each("t0", 22.0, 35.0, 28.0),
+                                   ("gain",),
+                                   lambda d, p: at(p, "gain") * (d.temp_c[:, None] - at(p, "t0")) * statics(d.q)),
+    "inertia": Case("Inertia", each("m", 20.0, 35.0, 15.0), ("m",),
+                    lambda d, p: -at(p, "m") * MOTION_RAD_PER_S**2 * d.q, **MOVING, tolerance=2e-3),
+    "presliding": Case("PreslidingHysteresis", each("fc", 1.0, 2.0, 1.5) | each("s", 4e-3, 2e-3, 6e-3), ("fc",), dahl,
+                       **MOVING, tolerance=2e-2),
+}  # fmt: skip
+every_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+every_class = pytest.mark.parametrize("kind", EFFECTS, ids=[kind.__name__ for kind in EFFECTS])
+
+
+def effect_of(case: Case):
+    return getattr(registry, case.kind)()
+
+
+def stem(label: str) -> str:
+    return re.sub(r"_(\d+(_h\d+)?|n|nm|s|[xyz]|[ab]|cos|sin)$", "", label)
+
+
+def inner(force: np.ndarray) -> np.ndarray:
+    """Without the ends, where a derivative along time is one-sided."""
+    return force[10:-10] if len(force) > 100 else force
+
+
+def test_vocabulary_is_the_contract_and_every_effect_has_a_case():
+    assert set(NAMES) == set(CONTRACT), "state name, units and place of a new effect in CONTRACT"
+    assert {kind.__name__ for kind in EFFECTS} == {case.kind for case in CASES.values()}, "add a case for a new effect"
+
+
+@every_class
+def test_units_and_place_in_hardware_are_those_of_the_contract(kind):
+    assert (kind.units, kind.hardware) == CONTRACT[kind.name]
+
+
+@every_class
+def test_page_on_effects_says_what_the_code_says(kind):
+    (row,) = re.findall(rf"^\| {kind.name} \|(.*)\|$", (ROOT / "docs" / "effects.md").read_text(), re.M)
+    equation, parameters, hardware = (cell.strip() for cell in row.split("|"))
+    assert (equation, hardware) == (kind.equation, kind.hardware)
+    assert all(re.search(rf"\b{name}(_i)?\b", parameters) for name in kind.units)
+
+
+def test_parameters_of_the_cases_are_those_of_the_contract():
+    used = {name: set() for name in NAMES}
+    for case in CASES.values():
+        used[effect_of(case).name] |= {stem(label) for label in case.params}
+    assert used == {name: set(units) for name, (units, _) in CONTRACT.items()}
+
+
+@every_case
+def test_prediction_is_the_equation(case):
+    data = case.few()
+    assert effect_of(case).unavailable(data) == ""
+    given, wanted = effect_of(case).predict(data, case.params), case.force(data, case.params)
+    assert np.abs(wanted).max(axis=0).min() > 0.1 or case.kind == "BaseTilt"
+    np.testing.assert_allclose(inner(given), inner(wanted), atol=case.tolerance, rtol=0)
+
+
+@every_case
+def test_effect_of_size_zero_is_exactly_nothing(case):
+    nothing = {label: 0.0 if stem(label) in case.zeros else value for label, value in case.params.items()}
+    assert not effect_of(case).predict(case.few(), nothing).any()
+
+
+@every_case
+def test_effect_scales_with_its_size_where_the_equation_does(case):
+    data = case.few()
+    twice = {label: value * (2.0 if stem(label) in case.zeros else 1.0) for label, value in case.params.items()}
+    ratio = effect_of(case).predict(data, twice) - 2.0 * effect_of(case).predict(data, case.params)
+    assert (np.abs(ratio).max() < 1e-9) == case.linear
+
+
+@pytest.mark.parametrize("case", [c for c in CASES.values() if any("_2" in label for label in c.params)],
+                         ids=lambda c: c.kind)  # fmt: skip
+def test_axis_without_parameters_has_no_part_in_the_effect(case):
+    effect, data = effect_of(case), case.few()
+    fewer = {label: value for label, value in case.params.items() if not re.search(r"_2(_|$)", label)}
+    size = {label: 0.0 if stem(label) in case.zeros else value for label, value in case.params.items()}
+    given = effect.predict(data, fewer)
+    np.testing.assert_allclose(given, effect.predict(data, size | fewer), atol=1e-12)
+    assert not effect.per_axis or not given[:, 1].any()
+
+
+@pytest.mark.parametrize("case", [c for c in CASES.values() if effect_of(c).name.endswith("friction")],
+                         ids=lambda c: c.kind)  # fmt: skip
+def test_friction_takes_power_from_the_motors(case):
+    data = case.many()
+    assert (np.sum(effect_of(case).predict(data, case.params) * data.v, axis=1) > 0).all()
+
+
+@every_case
+def test_regressors_are_the_effect_to_first_order(case):
+    effect, data = effect_of(case), case.many()
+    for shape in tried_shapes(effect, data, case.force(data, case.params)):
+        columns = effect.columns(data, shape)
+        scale = {label: np.sqrt(np.mean(column**2)) for label, column in columns.items()}
+        coefficients = {label: 1e-3 * (k + 1) / scale[label] for k, label in enumerate(columns)}
+        linear = sum(coefficients[label] * column for label, column in columns.items())
+        exact = effect.predict(data, effect.parameters(shape, coefficients))
+        np.testing.assert_allclose(exact, linear, atol=2e-3 * np.abs(linear).max(), rtol=0)
+
+
+@every_case
+def test_fit_recovers_the_parameters_within_its_own_intervals(case):
+    effect, data = effect_of(case), case.many()
+    force = case.force(data, case.params)
+    shapes = tried_shapes(effect, data, force)
+    off = []
+    for seed in SEEDS:
+        residual = force + NOISE_N * np.random.default_rng(seed).standard_normal(data.shape)
+        entry = fitted(effect, data, residual, shapes)
+        assert set(entry.parameters) == set(case.params)
+        for label, true in case.params.items():
+            low, high = entry.intervals[label]
+            off.append((entry.parameters[label] - true) / ((high - low) / 2))
+            assert high - low < abs(true), f"{label}: an interval as wide as the parameter says nothing"
+    covered, squares = np.count_nonzero(np.abs(off) < 1), np.sum(np.square(1.96 * np.array(off)))
+    print(f"MEASURED {case.kind}: {covered} of {len(off)} intervals cover, chi2 {squares:.1f}")
+    assert covered >= binom.ppf(1e-3, len(off), 0.95)
+    assert chi2.ppf(1e-3, len(off)) < squares < chi2.ppf(0.999, len(off))
+
+
+def tried_shapes(effect, data, force) -> list[dict]:
+    """Shapes that the search would try; the pitch of a cogging comes from the scan of the residual."""
+    if effect.name != "cogging":
+        return effect.shapes(data)
+    pitch, harmonics = pitch_of(find_lines(data.q, force), np.ptp(data.q, axis=0).max(), None)
+    assert set(harmonics) >= {1, 2}
+    return [{"pitch": pitch, "harmonics": (1, 2)}]
+
+
+def fitted(effect, data, residual, shapes):
+    """The effect alone, fitted from the best of the shapes."""
+
+    def misfit(shape):
+        x = np.stack([column.ravel() for column in effect.columns(data, shape).values()], axis=-1)
+        return np.linalg.lstsq(x, residual.ravel(), rcond=None)[1].sum()
+
+    shape = min(shapes, key=misfit)
+    term = Term(effect, tuple(effect.columns(data, shape)), shape)
+    noise = np.full(data.n_axes, NOISE_N)
+    return fit_terms(data, residual, np.arange(len(residual)), [term], noise).effects[0]
