@@ -49,6 +49,7 @@ end entity gc_brake_sequencer;
 
 architecture rtl of gc_brake_sequencer is
 
+  -- High at power-up: a level of enable found then is no edge.
   signal enable_1 : std_ulogic := '1';
   signal restart  : std_ulogic;
   signal expired  : std_ulogic;
@@ -101,7 +102,6 @@ begin
       end if;
       if rst = '1' then
         next_v := state_braked_c;
-        enable_1 <= '1';
       end if;
 
       state <= next_v;

@@ -43,7 +43,7 @@ module safety (
       .sts_present(present), .sts_fault(fault), .sts_first_cause(first_cause), .sts_first_count(first_count)
   );
 
-  // The last clocks; enable counts as high before power-up and in reset.
+  // The last clocks; enable counts as high before power-up.
   reg rst_1 = 1, clear_1 = 0, run_1 = 0, enable_1 = 1, enable_2 = 1;
   reg [1:3] estop_n_then = 0;
   reg [1:2] illegal_then = 0, unreferenced_then = 0;
@@ -55,7 +55,7 @@ module safety (
     rst_1 <= rst;
     clear_1 <= clear;
     run_1 <= run;
-    enable_1 <= rst || enable;
+    enable_1 <= enable;
     enable_2 <= enable_1;
     estop_n_then <= {estop_n, estop_n_then[1:2]};
     illegal_then <= {|in_illegal, illegal_then[1]};

@@ -157,7 +157,7 @@ class Sequencer:
             following = State.BRAKED
         self._hold.clock(restart or rst, brake_clocks)
         self.state = State.BRAKED if rst else State.FAULT if fault else following
-        self._last_enable = 1 if rst else enable
+        self._last_enable = enable
 
 
 class FaultLatch:
