@@ -7,7 +7,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim test test-fast train table1 rom regs budget latency formats docs loop blind table2 lint clean
+.PHONY: help setup sim gatesim gatesim-nightly test test-fast train table1 rom regs budget latency formats docs loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -68,6 +68,13 @@ blind: setup ## tally of the diagnosis on data sets drawn by seed; docs/blind.md
 
 table2: setup ## the paper's Table 2 on the virtual prototype; docs/table2.md
 	@$(RUN)/gravcomp table2
+
+gatesim: setup ## the core as GHDL's Verilog, as generic and as ECP5 netlist passes the tests of the VHDL, under Icarus
+	@$(PYTEST) -q -n auto -m "" tb/test_rtl_gates.py
+
+gatesim-nightly: setup ## 100 000 random poses through GHDL's Verilog under Verilator
+	@scripts/setup.sh verilator
+	@$(PYTEST) -s -m gatesim tb/test_rtl_poses.py
 
 lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
 	@$(RUN)/ruff check . && $(RUN)/ruff format --check .

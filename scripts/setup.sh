@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing, and nothing else: GHDL and Python's run-time parts with apt, the Python packages into .venv.
-# Says nothing when all is there.
+# Installs what is missing, and nothing else: GHDL, Icarus, Python's run-time parts and the programs given as arguments
+# with apt, the Python packages into .venv. Says nothing when all is there.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -16,6 +16,8 @@ install_packages() {
 }
 
 command -v ghdl >/dev/null || install_packages ghdl
+command -v iverilog >/dev/null || install_packages iverilog
+for program in "$@"; do command -v "$program" >/dev/null || install_packages "$program"; done
 command -v python3 >/dev/null || install_packages python3-venv
 python3 -c 'import ensurepip' 2>/dev/null || install_packages python3-venv
 python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||

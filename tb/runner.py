@@ -2,6 +2,7 @@
 
 import os
 import re
+import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from unittest.mock import patch
@@ -82,6 +83,17 @@ def simulate(
         raise AssertionError(f"{name}: the simulation failed ({stop})\n{_tail(log)}") from None
     assert n_tests > 0, f"{name}: no cocotb test ran\n{_tail(log)}"
     assert n_failed == 0, f"{name}: {n_failed} of {n_tests} cocotb tests failed\n{_tail(log)}"
+
+
+def verilate(verilog: Path, entity: str, bench: Path, name: str) -> Path:
+    """Compile an entity's Verilog and a bench in C++ with Verilator; returns the program. AssertionError if it fails."""
+    folder = BUILD / "verilated" / name
+    folder.mkdir(parents=True, exist_ok=True)
+    command = ["verilator", "--cc", "--exe", "--build", "-O3", "-CFLAGS", "-O2", "-Wno-lint", "-Wno-INITIALDLY"]
+    command += ["--top-module", entity, "--Mdir", folder, "-o", "bench", verilog, bench]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{name}: Verilator fails\n{done.stderr[-3000:]}"
+    return folder / "bench"
 
 
 def _tail(log: Path, lines: int = 60) -> str:

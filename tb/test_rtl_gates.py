@@ -25,12 +25,13 @@ def run(lanes: int, kind: str, verilog) -> None:
     simulate("gc_core", "test_rtl_gates", generics={"lanes_g": lanes}, label=kind, verilog=verilog)
 
 
-@pytest.mark.parametrize("lanes", [1, 4])
+@pytest.mark.parametrize("lanes", [1, 4, pytest.param(20, marks=[pytest.mark.slow, pytest.mark.gatesim])])
 def test_core_as_verilog_of_ghdl_equals_model(lanes):
     run(lanes, "ghdl", [ghdl_verilog(lanes)])
 
 
 @pytest.mark.slow
+@pytest.mark.gatesim
 @pytest.mark.parametrize("lanes", [1, 4])
 def test_core_as_generic_netlist_equals_model(lanes):
     netlist = synthesise(ghdl_verilog(lanes), "gc_core", "generic", GATES / f"generic-{lanes}")
@@ -38,6 +39,7 @@ def test_core_as_generic_netlist_equals_model(lanes):
 
 
 @pytest.mark.slow
+@pytest.mark.gatesim
 @pytest.mark.parametrize("lanes", [1, 4])
 def test_core_as_ecp5_netlist_equals_model(lanes):
     out = GATES / f"ecp5-{lanes}"
