@@ -79,6 +79,7 @@ gatesim-nightly: setup ## 100 000 random poses through GHDL's Verilog under Veri
 lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
 	@$(RUN)/ruff check . && $(RUN)/ruff format --check .
 	@scripts/lint_vhdl.sh
+	@scripts/lint_constructs.sh
 
 clean: ## remove what was built, but not .venv
 	rm -rf build

@@ -5,7 +5,7 @@
 --   BRAKED    brakes engaged, command zero       reset; waits for a rising enable while healthy
 --   HOLDING   brakes engaged, command active     before RUN till the motors carry the load, after it till brakes close
 --   RUN       brakes released, command active
---   FAULT     brakes engaged, command zero       until clear while healthy
+--   FAULT     brakes engaged, command zero       until clear without a fault
 --
 -- The motors take the load before the brakes let it go: HOLDING leads to RUN once the command has been settled, with
 -- enable high, for more than cfg_brake_clocks. A low enable leads back: brakes engage at once, and the command goes to
@@ -29,7 +29,7 @@ entity gc_brake_sequencer is
     rst              : in    std_ulogic;
     -- Its rising edge starts, its low level stops.
     enable           : in    std_ulogic;
-    -- One clock: leave FAULT.
+    -- One clock: leave FAULT; in_fault in the same clock wins.
     clear            : in    std_ulogic;
     -- A cause for FAULT.
     in_fault         : in    std_ulogic;
@@ -90,7 +90,7 @@ begin
           next_v := state_holding_c;
         end if;
       elsif state = state_fault_c then
-        if clear = '1' and in_healthy = '1' then
+        if clear = '1' then
           next_v := state_braked_c;
         end if;
       else

@@ -153,7 +153,7 @@ class Sequencer:
             following = State.RUN if enable else State.BRAKED
         elif self.state == State.RUN and not enable:
             following = State.HOLDING
-        elif self.state == State.FAULT and clear and healthy:
+        elif self.state == State.FAULT and clear:
             following = State.BRAKED
         self._hold.clock(restart or rst, brake_clocks)
         self.state = State.BRAKED if rst else State.FAULT if fault else following

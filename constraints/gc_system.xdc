@@ -1,0 +1,12 @@
+# Vivado, gc_system alone: its two clocks, and what crosses between them. In a larger design the clocks are defined there.
+create_clock -name clk -period 25.000 [get_ports clk]
+create_clock -name s_axi_aclk -period 100.000 [get_ports s_axi_aclk]
+
+# The clocks are unrelated. A word that crosses (gc_crossing_bus) is stable for two clocks of its destination, a single
+# bit ends in a synchroniser: less than one period of the faster clock is safe for both. No set_clock_groups, which would
+# override this.
+set_max_delay -datapath_only -from [get_clocks clk] -to [get_clocks s_axi_aclk] 25.000
+set_max_delay -datapath_only -from [get_clocks s_axi_aclk] -to [get_clocks clk] 25.000
+
+# Each pin, and the reset on its way to clk, ends in a synchroniser, whose flip-flops carry ASYNC_REG in the VHDL.
+set_false_path -from [get_ports {pin_a[*] pin_b[*] pin_z[*] estop_n}]
