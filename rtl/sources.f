@@ -35,3 +35,7 @@ gc_top.vhd
 registers/reg_utils.vhd
 registers/gc_registers_pkg.vhd
 registers/gc_registers.vhd
+gc_system_pkg.vhd
+gc_host.vhd
+gc_controller.vhd
+gc_system.vhd

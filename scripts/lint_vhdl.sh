@@ -1,5 +1,5 @@
 #!/bin/sh
-# VHDL: GHDL's warnings as errors, the synthesizability of both tops, and the style rules of vsg.yaml.
+# VHDL: GHDL's warnings as errors, the synthesizability of the tops, and the style rules of vsg.yaml.
 set -eu
 cd "$(dirname "$0")/../rtl"
 work=$(mktemp -d)
@@ -13,7 +13,7 @@ warnings="--warn-error --warn-library --warn-binding --warn-reserved --warn-dela
 {
     ghdl -a $options $warnings $(cat sources.f)
     ghdl -a $options $warnings ../tb/hdl/*.vhd
-    for top in gc_core gc_top; do
+    for top in gc_core gc_top gc_system; do
         ghdl --synth $options --out=none $top >"$work/$top.log" 2>&1 || { cat "$work/$top.log" >&2; exit 1; }
     done
 }

@@ -11,7 +11,7 @@ peakrdl() {
 }
 
 mkdir -p "$out/rtl/registers" "$out/host"
-peakrdl regblock-vhdl -o "$out/rtl/registers" --cpuif axi4-lite-flat --default-reset rst --type-style hier \
+peakrdl regblock-vhdl -o "$out/rtl/registers" --cpuif axi4-lite-flat --default-reset rst --type-style hier --addr-width 12 \
     --err-if-bad-addr --err-if-bad-rw --copy-utils-pkg
 peakrdl ip-xact -o "$out/rtl/registers/gc_registers.xml" --vendor gravcomp --library gravcomp --version 0.1.0
 peakrdl c-header -o "$out/host/gravcomp_registers.h" --std gnu99 --type-style hier

@@ -14,7 +14,7 @@ entity gc_registers is
 
         s_axil_awready : out std_logic;
         s_axil_awvalid : in std_logic;
-        s_axil_awaddr : in std_logic_vector(8 downto 0);
+        s_axil_awaddr : in std_logic_vector(11 downto 0);
         s_axil_awprot : in std_logic_vector(2 downto 0);
         s_axil_wready : out std_logic;
         s_axil_wvalid : in std_logic;
@@ -25,7 +25,7 @@ entity gc_registers is
         s_axil_bresp : out std_logic_vector(1 downto 0);
         s_axil_arready : out std_logic;
         s_axil_arvalid : in std_logic;
-        s_axil_araddr : in std_logic_vector(8 downto 0);
+        s_axil_araddr : in std_logic_vector(11 downto 0);
         s_axil_arprot : in std_logic_vector(2 downto 0);
         s_axil_rready : in std_logic;
         s_axil_rvalid : out std_logic;
@@ -43,7 +43,7 @@ architecture rtl of gc_registers is
     ----------------------------------------------------------------------------
     signal cpuif_req : std_logic;
     signal cpuif_req_is_wr : std_logic;
-    signal cpuif_addr : std_logic_vector(8 downto 0);
+    signal cpuif_addr : std_logic_vector(11 downto 0);
     signal cpuif_wr_data : std_logic_vector(31 downto 0);
     signal cpuif_wr_biten : std_logic_vector(31 downto 0);
     signal cpuif_req_stall_wr : std_logic;
@@ -61,10 +61,10 @@ architecture rtl of gc_registers is
     signal axil_n_in_flight : unsigned(1 downto 0);
     signal axil_prev_was_rd : std_logic;
     signal axil_arvalid : std_logic;
-    signal axil_araddr : std_logic_vector(8 downto 0);
+    signal axil_araddr : std_logic_vector(11 downto 0);
     signal axil_ar_accept : std_logic;
     signal axil_awvalid : std_logic;
-    signal axil_awaddr : std_logic_vector(8 downto 0);
+    signal axil_awaddr : std_logic_vector(11 downto 0);
     signal axil_wvalid : std_logic;
     signal axil_wdata : std_logic_vector(31 downto 0);
     signal axil_wstrb : std_logic_vector(3 downto 0);
@@ -125,7 +125,7 @@ architecture rtl of gc_registers is
     end record;
     signal decoded_reg_strb : decoded_reg_strb_t;
     signal decoded_err : std_logic;
-    signal decoded_addr : std_logic_vector(8 downto 0);
+    signal decoded_addr : std_logic_vector(11 downto 0);
     signal decoded_req : std_logic;
     signal decoded_req_is_wr : std_logic;
     signal decoded_wr_data : std_logic_vector(31 downto 0);
@@ -635,7 +635,7 @@ architecture rtl of gc_registers is
     ----------------------------------------------------------------------------
     -- Readback Signals
     ----------------------------------------------------------------------------
-    signal rd_mux_addr : unsigned(8 downto 0);
+    signal rd_mux_addr : unsigned(11 downto 0);
     signal readback_err : std_logic;
     signal readback_done : std_logic;
     signal readback_data : std_logic_vector(31 downto 0);
@@ -730,21 +730,21 @@ begin
             if axil_arvalid and not axil_prev_was_rd then
                 cpuif_req <= '1';
                 cpuif_req_is_wr <= '0';
-                cpuif_addr <= (8 downto 2 => axil_araddr(8 downto 2), others => '0');
+                cpuif_addr <= (11 downto 2 => axil_araddr(11 downto 2), others => '0');
                 if not cpuif_req_stall_rd then
                     axil_ar_accept <= '1';
                 end if;
             elsif axil_awvalid and axil_wvalid then
                 cpuif_req <= '1';
                 cpuif_req_is_wr <= '1';
-                cpuif_addr <= (8 downto 2 => axil_awaddr(8 downto 2), others => '0');
+                cpuif_addr <= (11 downto 2 => axil_awaddr(11 downto 2), others => '0');
                 if not cpuif_req_stall_wr then
                     axil_aw_accept <= '1';
                 end if;
             elsif axil_arvalid then
                 cpuif_req <= '1';
                 cpuif_req_is_wr <= '0';
-                cpuif_addr <= (8 downto 2 => axil_araddr(8 downto 2), others => '0');
+                cpuif_addr <= (11 downto 2 => axil_araddr(11 downto 2), others => '0');
                 if not cpuif_req_stall_rd then
                     axil_ar_accept <= '1';
                 end if;

@@ -8,7 +8,7 @@ use ieee.fixed_pkg.all;
 package gc_registers_pkg is
 
     constant GC_REGISTERS_DATA_WIDTH : positive := 32;
-    constant GC_REGISTERS_MIN_ADDR_WIDTH : positive := 9;
+    constant GC_REGISTERS_MIN_ADDR_WIDTH : positive := 12;
     constant GC_REGISTERS_SIZE : positive := 424;
 
     type \gc_registers.geometry.inputs_in_t\ is record

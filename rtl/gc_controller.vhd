@@ -1,0 +1,263 @@
+-- SPDX-License-Identifier: MIT
+--
+-- The core's side of gc_system, all in one clock: tick, gc_top, drive and safety.
+--
+-- One inference at a time: a tick or a start that finds one under way is not taken; a tick is then counted as missed.
+-- Settings and state are words of gc_system_pkg. State tells of results only whole ones: position and speed are those
+-- of the clock that started the inference, shown together with its forces.
+-- Latency from start to drive_current: that of gc_top and 4 clocks; to the state 1 clock after gc_top.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_network_pkg.all;
+  use work.gc_safety_pkg.all;
+  use work.gc_system_pkg.all;
+
+entity gc_controller is
+  generic (
+    -- See gc_top.
+    lanes_g          : positive := 4;
+    filter_samples_g : natural := 4;
+    speed_timeout_g  : positive := 10_000_000
+  );
+  port (
+    clk           : in    std_ulogic;
+    -- Synchronous, active high.
+    rst           : in    std_ulogic;
+    -- Encoder pins and emergency stop, asynchronous; axis 1 lowest. estop_n = '0' stops.
+    pin_a         : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_b         : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_z         : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    estop_n       : in    std_ulogic;
+    -- Settings; their command bits count only with in_valid.
+    in_valid      : in    std_ulogic;
+    in_settings   : in    settings_t;
+    -- Current commands, uA, axis 1 lowest: one clock per new command.
+    drive_valid   : out   std_ulogic;
+    drive_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    -- '0': commands are zero.
+    drive_enable  : out   std_ulogic;
+    -- '1' releases the brake of the axis.
+    brake_release : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- State is whole, and taken if wanted.
+    out_valid     : out   std_ulogic;
+    out_state     : out   state_t
+  );
+end entity gc_controller;
+
+architecture rtl of gc_controller is
+
+  subtype axes_t is std_ulogic_vector(axes_c - 1 downto 0);
+
+  signal pulses        : std_ulogic_vector(3 downto 0);
+  signal start         : std_ulogic;
+  signal kick          : std_ulogic;
+  signal clear_fault   : std_ulogic;
+  signal clear_encoder : std_ulogic;
+
+  signal tick      : std_ulogic;
+  signal missed    : unsigned(31 downto 0);
+  signal top_ready : std_ulogic;
+  signal idle      : std_ulogic;
+  signal begins    : std_ulogic;
+  signal busy      : std_ulogic := '0';
+
+  signal top_valid     : std_ulogic;
+  signal force_mn      : signed(outputs_c * force_bits_c - 1 downto 0);
+  signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
+  signal clamped       : axes_t;
+  signal saturated     : axes_t;
+  signal count         : signed(inputs_c * count_bits_c - 1 downto 0);
+  signal period        : signed(inputs_c * 32 - 1 downto 0);
+  signal speed_valid   : axes_t;
+  signal speed_zero    : axes_t;
+  signal referenced    : axes_t;
+  signal illegal       : axes_t;
+  signal glitch        : axes_t;
+  signal start_count   : signed(inputs_c * count_bits_c - 1 downto 0);
+  signal start_period  : signed(inputs_c * 32 - 1 downto 0);
+  signal result_count  : signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
+  signal result_period : signed(inputs_c * 32 - 1 downto 0) := (others => '0');
+  signal result_force  : signed(outputs_c * 32 - 1 downto 0);
+  signal number        : unsigned(31 downto 0) := (others => '0');
+
+  signal run          : std_ulogic;
+  signal released     : axes_t;
+  signal command      : signed(outputs_c * current_bits_c - 1 downto 0);
+  signal limited      : axes_t;
+  signal settled      : axes_t;
+  signal rom_bad      : std_ulogic := '0';
+  signal safety_state : safety_state_t;
+  signal cause        : causes_t;
+  signal fault        : causes_t;
+  signal first_cause  : causes_t;
+  signal first_count  : signed(inputs_c * count_bits_c - 1 downto 0);
+  signal status       : word_t;
+
+begin
+
+  pulses <= in_settings(cfg_start_c + 3 downto cfg_start_c) when in_valid = '1' else (others => '0');
+  start <= pulses(0);
+  kick <= pulses(cfg_kick_c - cfg_start_c);
+  clear_fault <= pulses(cfg_clear_fault_c - cfg_start_c);
+  clear_encoder <= pulses(cfg_clear_encoder_c - cfg_start_c);
+
+  i_tick : entity work.gc_tick
+    port map (
+      clk        => clk,
+      rst        => rst,
+      cfg_enable => in_settings(cfg_tick_enable_c),
+      cfg_clocks => unsigned(words(in_settings, cfg_tick_clocks_c)),
+      in_ready   => idle,
+      out_valid  => tick,
+      sts_missed => missed
+    );
+
+  idle <= top_ready and not busy;
+  begins <= (tick or start) and idle;
+
+  i_top : entity work.gc_top
+    generic map (
+      lanes_g          => lanes_g,
+      filter_samples_g => filter_samples_g,
+      speed_timeout_g  => speed_timeout_g
+    )
+    port map (
+      clk                => clk,
+      rst                => rst,
+      pin_a              => pin_a,
+      pin_b              => pin_b,
+      pin_z              => pin_z,
+      cfg_home_enable    => in_settings(cfg_home_c + axes_c - 1 downto cfg_home_c),
+      cfg_index_position => signed(words(in_settings, cfg_index_c, axes_c)),
+      cfg_clear          => clear_encoder,
+      in_valid           => begins,
+      in_ready           => top_ready,
+      out_valid          => top_valid,
+      out_force          => force_mn,
+      out_current        => current,
+      out_clamped        => clamped,
+      out_saturated      => saturated,
+      sts_count          => count,
+      sts_direction      => open,
+      sts_speed_period   => period,
+      sts_speed_valid    => speed_valid,
+      sts_speed_zero     => speed_zero,
+      sts_referenced     => referenced,
+      sts_illegal        => illegal,
+      sts_glitch         => glitch
+    );
+
+  p_results : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      if begins = '1' then
+        busy <= '1';
+        start_count <= count;
+        start_period <= period;
+      end if;
+      -- one clock after gc_top, whose outputs hold
+      if top_valid = '1' then
+        busy <= '0';
+        number <= number + 1;
+        result_count <= start_count;
+        result_period <= start_period;
+      end if;
+      rom_bad <= '0';
+      if words(in_settings, cfg_weights_c) /= words(weights_hash_c, 7) then
+        rom_bad <= '1';
+      end if;
+      if rst = '1' then
+        busy <= '0';
+        number <= (others => '0');
+        result_count <= (others => '0');
+        result_period <= (others => '0');
+      end if;
+    end if;
+
+  end process p_results;
+
+  i_drive : entity work.gc_drive
+    port map (
+      clk         => clk,
+      rst         => rst,
+      run         => run,
+      in_valid    => top_valid,
+      in_current  => current,
+      cfg_limit   => resize(unsigned(words(in_settings, cfg_limit_c)), 31),
+      cfg_slew    => resize(unsigned(words(in_settings, cfg_slew_c)), 31),
+      out_valid   => drive_valid,
+      out_current => command,
+      out_limited => limited,
+      out_settled => settled
+    );
+
+  i_safety : entity work.gc_safety
+    port map (
+      clk                   => clk,
+      rst                   => rst,
+      estop_n               => estop_n,
+      enable                => in_settings(cfg_enable_c),
+      clear                 => clear_fault,
+      kick                  => kick,
+      in_count              => count,
+      in_period             => period,
+      in_referenced         => referenced,
+      in_illegal            => illegal,
+      in_result             => top_valid,
+      in_clamped            => clamped,
+      in_saturated          => saturated,
+      in_settled            => settled,
+      in_crc_bad            => '0',
+      in_rom_bad            => rom_bad,
+      cfg_count_low         => signed(words(in_settings, cfg_low_c, axes_c)),
+      cfg_count_high        => signed(words(in_settings, cfg_high_c, axes_c)),
+      cfg_period_min        => resize(unsigned(words(in_settings, cfg_period_min_c)), 31),
+      cfg_saturation_clocks => unsigned(words(in_settings, cfg_saturation_c)),
+      cfg_watchdog_clocks   => unsigned(words(in_settings, cfg_watchdog_c)),
+      cfg_result_clocks     => unsigned(words(in_settings, cfg_result_c)),
+      cfg_brake_clocks      => unsigned(words(in_settings, cfg_brake_c)),
+      run                   => run,
+      brake_release         => released,
+      sts_state             => safety_state,
+      sts_present           => cause,
+      sts_fault             => fault,
+      sts_first_cause       => first_cause,
+      sts_first_count       => first_count
+    );
+
+  drive_current <= command;
+  drive_enable <= run;
+  brake_release <= released;
+
+  g_force : for i in 0 to axes_c - 1 generate
+    result_force(32 * i + 31 downto 32 * i) <= resize(force_mn((i + 1) * force_bits_c - 1 downto i * force_bits_c), 32);
+  end generate g_force;
+
+  status <= x"00000" & "00" & busy & run & '0' & released & '0' & safety_state;
+
+  -- from sts_first_position_c down to sts_number_c
+  out_state <= std_ulogic_vector(first_count)
+               & std_ulogic_vector(count)
+               & std_ulogic_vector(command)
+               & std_ulogic_vector(current)
+               & std_ulogic_vector(result_force)
+               & std_ulogic_vector(result_period)
+               & std_ulogic_vector(result_count)
+               & std_ulogic_vector(resize(unsigned(first_cause), 32))
+               & std_ulogic_vector(resize(unsigned(fault), 32))
+               & std_ulogic_vector(resize(unsigned(cause), 32))
+               & "00000" & speed_zero & speed_valid & glitch & illegal & referenced & settled & limited & saturated
+               & clamped
+               & status
+               & std_ulogic_vector(missed)
+               & std_ulogic_vector(number);
+
+  -- In the clock of top_valid the forces are already those of the next number.
+  out_valid <= not top_valid;
+
+end architecture rtl;

@@ -1,0 +1,278 @@
+-- SPDX-License-Identifier: MIT
+--
+-- The host's side of gc_system: registers behind AXI4-Lite, settings and commands out, state in, interrupt.
+--
+-- A command bit that is written waits until out_ready and goes out once, with the settings written before it; the same
+-- bit written twice before that is one command. The interrupt bits follow the numbers in the state: one event per word
+-- of state that brings new results, a new fault or new missed ticks.
+-- An address without a register, a write to a register that cannot be written and a read of one that cannot be read
+-- get the response SLVERR and change nothing.
+-- Latency: 1 clock from in_valid to the interrupt status. AXI4-Lite: see registers/gc_registers.vhd, up to two accesses
+-- under way.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_compensation_pkg.all;
+  use work.gc_network_pkg.all;
+  use work.gc_registers_pkg.all;
+  use work.gc_safety_pkg.all;
+  use work.gc_system_pkg.all;
+
+entity gc_host is
+  generic (
+    -- What the identity registers say of the core: neurons per clock, Hz.
+    lanes_g    : positive := 4;
+    clock_hz_g : positive := 40_000_000
+  );
+  port (
+    clk           : in    std_ulogic;
+    -- Synchronous, active high.
+    rst           : in    std_ulogic;
+    s_axi_awaddr  : in    std_ulogic_vector(11 downto 0);
+    s_axi_awprot  : in    std_ulogic_vector(2 downto 0);
+    s_axi_awvalid : in    std_ulogic;
+    s_axi_awready : out   std_ulogic;
+    s_axi_wdata   : in    std_ulogic_vector(31 downto 0);
+    s_axi_wstrb   : in    std_ulogic_vector(3 downto 0);
+    s_axi_wvalid  : in    std_ulogic;
+    s_axi_wready  : out   std_ulogic;
+    s_axi_bresp   : out   std_ulogic_vector(1 downto 0);
+    s_axi_bvalid  : out   std_ulogic;
+    s_axi_bready  : in    std_ulogic;
+    s_axi_araddr  : in    std_ulogic_vector(11 downto 0);
+    s_axi_arprot  : in    std_ulogic_vector(2 downto 0);
+    s_axi_arvalid : in    std_ulogic;
+    s_axi_arready : out   std_ulogic;
+    s_axi_rdata   : out   std_ulogic_vector(31 downto 0);
+    s_axi_rresp   : out   std_ulogic_vector(1 downto 0);
+    s_axi_rvalid  : out   std_ulogic;
+    s_axi_rready  : in    std_ulogic;
+    -- An enabled interrupt bit is set; a level.
+    irq           : out   std_ulogic;
+    -- The settings of this clock and the commands that wait; taken in a clock with out_ready.
+    out_settings  : out   settings_t;
+    out_ready     : in    std_ulogic;
+    -- New state.
+    in_valid      : in    std_ulogic;
+    in_state      : in    state_t
+  );
+end entity gc_host;
+
+architecture rtl of gc_host is
+
+  signal regs_in  : gc_registers_in_t;
+  signal regs_out : gc_registers_out_t;
+
+  signal command : std_ulogic_vector(3 downto 0);
+  signal waiting : std_ulogic_vector(3 downto 0) := (others => '0');
+
+  signal number     : word_t := (others => '0');
+  signal missed     : word_t := (others => '0');
+  signal fault      : word_t := (others => '0');
+  signal new_result : std_ulogic := '0';
+  signal new_fault  : std_ulogic := '0';
+  signal new_missed : std_ulogic := '0';
+
+begin
+
+  i_registers : entity work.gc_registers
+    port map (
+      clk            => clk,
+      rst            => rst,
+      s_axil_awready => s_axi_awready,
+      s_axil_awvalid => s_axi_awvalid,
+      s_axil_awaddr  => s_axi_awaddr,
+      s_axil_awprot  => s_axi_awprot,
+      s_axil_wready  => s_axi_wready,
+      s_axil_wvalid  => s_axi_wvalid,
+      s_axil_wdata   => s_axi_wdata,
+      s_axil_wstrb   => s_axi_wstrb,
+      s_axil_bready  => s_axi_bready,
+      s_axil_bvalid  => s_axi_bvalid,
+      s_axil_bresp   => s_axi_bresp,
+      s_axil_arready => s_axi_arready,
+      s_axil_arvalid => s_axi_arvalid,
+      s_axil_araddr  => s_axi_araddr,
+      s_axil_arprot  => s_axi_arprot,
+      s_axil_rready  => s_axi_rready,
+      s_axil_rvalid  => s_axi_rvalid,
+      s_axil_rdata   => s_axi_rdata,
+      s_axil_rresp   => s_axi_rresp,
+      hwif_in        => regs_in,
+      hwif_out       => regs_out
+    );
+
+  irq <= regs_out.interrupt_status.intr;
+
+  -- Identity
+
+  regs_in.geometry.inputs.next_q <= std_ulogic_vector(to_unsigned(inputs_c, 8));
+  regs_in.geometry.hidden.next_q <= std_ulogic_vector(to_unsigned(hidden_c, 8));
+  regs_in.geometry.outputs.next_q <= std_ulogic_vector(to_unsigned(outputs_c, 8));
+  regs_in.geometry.lanes.next_q <= std_ulogic_vector(to_unsigned(lanes_g, 8));
+  regs_in.clock_hz.value.next_q <= std_ulogic_vector(to_unsigned(clock_hz_g, 32));
+
+  g_hash : for i in 0 to 7 generate
+    regs_in.weights_hash(i).value.next_q <= words(weights_hash_c, 7 - i);
+    regs_in.compensation_hash(i).value.next_q <= words(compensation_hash_c, 7 - i);
+  end generate g_hash;
+
+  -- Settings and commands
+
+  command <= regs_out.command.clear_encoder.value & regs_out.command.clear_fault.value & regs_out.command.kick.value
+             & regs_out.command.start.value;
+
+  p_commands : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      waiting <= waiting or command;
+      if out_ready = '1' then
+        waiting <= command;
+      end if;
+      if rst = '1' then
+        waiting <= (others => '0');
+      end if;
+    end if;
+
+  end process p_commands;
+
+  p_settings : process (all) is
+
+    variable first_v : word_t;
+
+  begin
+
+    first_v := (others => '0');
+    first_v(cfg_enable_c) := regs_out.control.enable.value;
+    first_v(cfg_tick_enable_c) := regs_out.control.tick_enable.value;
+    first_v(cfg_home_c + axes_c - 1 downto cfg_home_c) := regs_out.control.home_enable.value;
+    first_v(cfg_start_c + 3 downto cfg_start_c) := waiting;
+
+    out_settings(31 downto 0) <= first_v;
+
+  end process p_settings;
+
+  -- from cfg_brake_c down to cfg_tick_clocks_c
+  out_settings(32 * cfg_index_c - 1 downto 32) <= regs_out.brake_clocks.value.value
+                                                  & regs_out.result_clocks.value.value
+                                                  & regs_out.watchdog_clocks.value.value
+                                                  & regs_out.saturation_clocks.value.value
+                                                  & '0' & regs_out.period_min_clocks.value.value
+                                                  & '0' & regs_out.current_slew_ua.value.value
+                                                  & '0' & regs_out.current_limit_ua.value.value
+                                                  & regs_out.expected_weights.value.value
+                                                  & regs_out.tick_clocks.value.value;
+
+  -- State
+
+  regs_in.result_number.value.next_q <= words(in_state, sts_number_c);
+  regs_in.missed_ticks.value.next_q <= words(in_state, sts_missed_c);
+
+  g_axis : for i in 0 to axes_c - 1 generate
+    regs_in.trained_low(i).value.next_q <= std_ulogic_vector(to_signed(count_low_c(i), 32));
+    regs_in.trained_high(i).value.next_q <= std_ulogic_vector(to_signed(count_high_c(i), 32));
+
+    out_settings(32 * (cfg_index_c + i) + 31 downto 32 * (cfg_index_c + i)) <= regs_out.index_position(i).value.value;
+    out_settings(32 * (cfg_low_c + i) + 31 downto 32 * (cfg_low_c + i)) <= regs_out.window_low(i).value.value;
+    out_settings(32 * (cfg_high_c + i) + 31 downto 32 * (cfg_high_c + i)) <= regs_out.window_high(i).value.value;
+
+    regs_in.position(i).value.next_q <= words(in_state, sts_position_c + i);
+    regs_in.speed_period(i).value.next_q <= words(in_state, sts_period_c + i);
+    regs_in.force_mn(i).value.next_q <= words(in_state, sts_force_c + i);
+    regs_in.current_ua(i).value.next_q <= words(in_state, sts_current_c + i);
+    regs_in.command_ua(i).value.next_q <= words(in_state, sts_command_c + i);
+    regs_in.position_now(i).value.next_q <= words(in_state, sts_position_now_c + i);
+    regs_in.first_position(i).value.next_q <= words(in_state, sts_first_position_c + i);
+  end generate g_axis;
+
+  p_state : process (all) is
+
+    variable word_v : word_t;
+
+  begin
+
+    word_v := words(in_state, sts_status_c);
+    regs_in.status.state.next_q <= word_v(2 downto 0);
+    regs_in.status.released.next_q <= word_v(6 downto 4);
+    regs_in.status.run.next_q <= word_v(8);
+    regs_in.status.busy.next_q <= word_v(9);
+
+    word_v := words(in_state, sts_flags_c);
+    regs_in.axis_flags.clamped.next_q <= word_v(2 downto 0);
+    regs_in.axis_flags.saturated.next_q <= word_v(5 downto 3);
+    regs_in.axis_flags.limited.next_q <= word_v(8 downto 6);
+    regs_in.axis_flags.settled.next_q <= word_v(11 downto 9);
+    regs_in.axis_flags.referenced.next_q <= word_v(14 downto 12);
+    regs_in.axis_flags.illegal.next_q <= word_v(17 downto 15);
+    regs_in.axis_flags.glitch.next_q <= word_v(20 downto 18);
+    regs_in.axis_flags.speed_valid.next_q <= word_v(23 downto 21);
+    regs_in.axis_flags.speed_zero.next_q <= word_v(26 downto 24);
+
+    word_v := words(in_state, sts_cause_c);
+    regs_in.cause.value.next_q <= word_v(causes_c - 1 downto 0);
+
+    word_v := words(in_state, sts_first_cause_c);
+    regs_in.first_cause.value.next_q <= word_v(causes_c - 1 downto 0);
+
+    word_v := words(in_state, sts_fault_c);
+    regs_in.fault.estop.next_q <= word_v(cause_estop_c);
+    regs_in.fault.encoder.next_q <= word_v(cause_encoder_c);
+    regs_in.fault.crc.next_q <= word_v(cause_crc_c);
+    regs_in.fault.rom.next_q <= word_v(cause_rom_c);
+    regs_in.fault.speed.next_q <= word_v(cause_speed_c);
+    regs_in.fault.position.next_q <= word_v(cause_position_c);
+    regs_in.fault.saturation.next_q <= word_v(cause_saturation_c);
+    regs_in.fault.watchdog.next_q <= word_v(cause_watchdog_c);
+    regs_in.fault.result.next_q <= word_v(cause_result_c);
+    regs_in.fault.unreferenced.next_q <= word_v(cause_reference_c);
+
+  end process p_state;
+
+  -- Interrupt
+
+  p_events : process (clk) is
+
+    variable fault_v : word_t;
+
+  begin
+
+    if rising_edge(clk) then
+      new_result <= '0';
+      new_missed <= '0';
+      new_fault <= '0';
+      if in_valid = '1' then
+        fault_v := words(in_state, sts_fault_c);
+        number <= words(in_state, sts_number_c);
+        missed <= words(in_state, sts_missed_c);
+        fault <= fault_v;
+        if number /= words(in_state, sts_number_c) then
+          new_result <= '1';
+        end if;
+        if missed /= words(in_state, sts_missed_c) then
+          new_missed <= '1';
+        end if;
+        if unsigned(fault_v and not fault) /= 0 then
+          new_fault <= '1';
+        end if;
+      end if;
+      if rst = '1' then
+        number <= (others => '0');
+        missed <= (others => '0');
+        fault <= (others => '0');
+        new_result <= '0';
+        new_missed <= '0';
+        new_fault <= '0';
+      end if;
+    end if;
+
+  end process p_events;
+
+  regs_in.interrupt_status.result.next_q <= new_result;
+  regs_in.interrupt_status.missed_tick.next_q <= new_missed;
+  regs_in.interrupt_status.fault.next_q <= new_fault;
+
+end architecture rtl;

@@ -1,0 +1,193 @@
+-- SPDX-License-Identifier: MIT
+--
+-- Everything around the robot: encoders, network, drives, brakes and emergency stop on one side, a host on the other.
+--
+-- Two unrelated clocks: clk for the core, s_axi_aclk for the registers (registers/gc_registers.rdl). They meet in two
+-- gc_crossing_bus, settings there and state back, and in the reset; nothing else crosses. Both run all the time: a
+-- setting or a state is a round trip old, at most two.
+-- Reset: s_axi_aresetn, low for 8 clocks of the slower clock; it also resets the core: brakes engaged, commands zero.
+-- Latency: see docs/system.md.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_network_pkg.all;
+  use work.gc_system_pkg.all;
+
+entity gc_system is
+  generic (
+    -- Neurons per clock; must divide the hidden size.
+    lanes_g          : positive := 4;
+    -- Hz of clk: for the host to read, nothing here depends on it.
+    clock_hz_g       : positive := 40_000_000;
+    -- Clocks that an encoder level must last, 0 = no filter.
+    filter_samples_g : natural := 4;
+    -- Clocks without an edge that count as standstill.
+    speed_timeout_g  : positive := 10_000_000
+  );
+  port (
+    s_axi_aclk    : in    std_ulogic;
+    s_axi_aresetn : in    std_ulogic;
+    s_axi_awaddr  : in    std_ulogic_vector(11 downto 0);
+    s_axi_awprot  : in    std_ulogic_vector(2 downto 0);
+    s_axi_awvalid : in    std_ulogic;
+    s_axi_awready : out   std_ulogic;
+    s_axi_wdata   : in    std_ulogic_vector(31 downto 0);
+    s_axi_wstrb   : in    std_ulogic_vector(3 downto 0);
+    s_axi_wvalid  : in    std_ulogic;
+    s_axi_wready  : out   std_ulogic;
+    s_axi_bresp   : out   std_ulogic_vector(1 downto 0);
+    s_axi_bvalid  : out   std_ulogic;
+    s_axi_bready  : in    std_ulogic;
+    s_axi_araddr  : in    std_ulogic_vector(11 downto 0);
+    s_axi_arprot  : in    std_ulogic_vector(2 downto 0);
+    s_axi_arvalid : in    std_ulogic;
+    s_axi_arready : out   std_ulogic;
+    s_axi_rdata   : out   std_ulogic_vector(31 downto 0);
+    s_axi_rresp   : out   std_ulogic_vector(1 downto 0);
+    s_axi_rvalid  : out   std_ulogic;
+    s_axi_rready  : in    std_ulogic;
+    -- Interrupt, a level, synchronous to s_axi_aclk.
+    irq           : out   std_ulogic;
+    -- Clock of everything below.
+    clk           : in    std_ulogic;
+    -- Encoder pins and emergency stop, asynchronous; axis 1 lowest. estop_n = '0' stops.
+    pin_a         : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_b         : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_z         : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    estop_n       : in    std_ulogic;
+    -- Current commands, uA, axis 1 lowest: hold, one clock of drive_valid per new command.
+    drive_valid   : out   std_ulogic;
+    drive_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    -- '0': commands are zero.
+    drive_enable  : out   std_ulogic;
+    -- '1' releases the brake of the axis.
+    brake_release : out   std_ulogic_vector(inputs_c - 1 downto 0)
+  );
+end entity gc_system;
+
+architecture rtl of gc_system is
+
+  signal axi_rst : std_ulogic;
+  signal running : std_ulogic;
+  signal rst     : std_ulogic;
+
+  signal axi_settings   : settings_t;
+  signal axi_ready      : std_ulogic;
+  signal axi_state      : state_t;
+  signal axi_valid      : std_ulogic;
+  signal core_settings  : settings_t;
+  signal settings_valid : std_ulogic;
+  signal core_state     : state_t;
+  signal state_valid    : std_ulogic;
+
+begin
+
+  assert inputs_c = axes_c and outputs_c = axes_c
+    report "gc_system: need a network of " & integer'image(axes_c) & " axes, got " & integer'image(inputs_c) & " and "
+           & integer'image(outputs_c)
+    severity failure;
+
+  axi_rst <= not s_axi_aresetn;
+
+  i_reset : entity work.gc_synchronizer
+    port map (
+      clk           => clk,
+      rst           => '0',
+      async_data(0) => s_axi_aresetn,
+      out_valid     => open,
+      out_data(0)   => running
+    );
+
+  rst <= not running;
+
+  i_host : entity work.gc_host
+    generic map (
+      lanes_g    => lanes_g,
+      clock_hz_g => clock_hz_g
+    )
+    port map (
+      clk           => s_axi_aclk,
+      rst           => axi_rst,
+      s_axi_awaddr  => s_axi_awaddr,
+      s_axi_awprot  => s_axi_awprot,
+      s_axi_awvalid => s_axi_awvalid,
+      s_axi_awready => s_axi_awready,
+      s_axi_wdata   => s_axi_wdata,
+      s_axi_wstrb   => s_axi_wstrb,
+      s_axi_wvalid  => s_axi_wvalid,
+      s_axi_wready  => s_axi_wready,
+      s_axi_bresp   => s_axi_bresp,
+      s_axi_bvalid  => s_axi_bvalid,
+      s_axi_bready  => s_axi_bready,
+      s_axi_araddr  => s_axi_araddr,
+      s_axi_arprot  => s_axi_arprot,
+      s_axi_arvalid => s_axi_arvalid,
+      s_axi_arready => s_axi_arready,
+      s_axi_rdata   => s_axi_rdata,
+      s_axi_rresp   => s_axi_rresp,
+      s_axi_rvalid  => s_axi_rvalid,
+      s_axi_rready  => s_axi_rready,
+      irq           => irq,
+      out_settings  => axi_settings,
+      out_ready     => axi_ready,
+      in_valid      => axi_valid,
+      in_state      => axi_state
+    );
+
+  i_settings : entity work.gc_crossing_bus
+    generic map (
+      width_g => settings_t'length
+    )
+    port map (
+      in_clk    => s_axi_aclk,
+      in_valid  => '1',
+      in_ready  => axi_ready,
+      in_data   => axi_settings,
+      out_clk   => clk,
+      out_rst   => rst,
+      out_valid => settings_valid,
+      out_data  => core_settings
+    );
+
+  i_controller : entity work.gc_controller
+    generic map (
+      lanes_g          => lanes_g,
+      filter_samples_g => filter_samples_g,
+      speed_timeout_g  => speed_timeout_g
+    )
+    port map (
+      clk           => clk,
+      rst           => rst,
+      pin_a         => pin_a,
+      pin_b         => pin_b,
+      pin_z         => pin_z,
+      estop_n       => estop_n,
+      in_valid      => settings_valid,
+      in_settings   => core_settings,
+      drive_valid   => drive_valid,
+      drive_current => drive_current,
+      drive_enable  => drive_enable,
+      brake_release => brake_release,
+      out_valid     => state_valid,
+      out_state     => core_state
+    );
+
+  i_state : entity work.gc_crossing_bus
+    generic map (
+      width_g => state_t'length
+    )
+    port map (
+      in_clk    => clk,
+      in_valid  => state_valid,
+      in_ready  => open,
+      in_data   => core_state,
+      out_clk   => s_axi_aclk,
+      out_rst   => axi_rst,
+      out_valid => axi_valid,
+      out_data  => axi_state
+    );
+
+end architecture rtl;

@@ -1,0 +1,49 @@
+"""The host of gc_system in a test: register accesses by name over AXI4-Lite."""
+
+from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp
+
+from gravcomp.system.registers import read_registers
+
+
+class BusError(RuntimeError):
+    """The access got another response than OKAY."""
+
+
+class Registers:
+    """Registers of a dut with s_axi_* ports, by name and axis, as unsigned 32-bit words."""
+
+    def __init__(self, dut):
+        bus = AxiLiteBus.from_prefix(dut, "s_axi")
+        self.master = AxiLiteMaster(bus, dut.s_axi_aclk, dut.s_axi_aresetn, reset_active_level=False)
+        for channel in (self.master.write_if, self.master.read_if):
+            channel.log.setLevel("WARNING")
+        self.map = read_registers()
+
+    async def read_at(self, address: int) -> int:
+        answer = await self.master.read(address, 4)
+        if answer.resp != AxiResp.OKAY:
+            raise BusError(f"read at {address:#x}: {answer.resp.name}")
+        return int.from_bytes(answer.data, "little")
+
+    async def write_at(self, address: int, word: int) -> None:
+        answer = await self.master.write(address, (word & 0xFFFFFFFF).to_bytes(4, "little"))
+        if answer.resp != AxiResp.OKAY:
+            raise BusError(f"write at {address:#x}: {answer.resp.name}")
+
+    async def read(self, name: str, axis: int = 0) -> int:
+        return await self.read_at(self.map[name].address + 4 * axis)
+
+    async def write(self, name: str, word: int, axis: int = 0) -> None:
+        await self.write_at(self.map[name].address + 4 * axis, word)
+
+    async def read_axes(self, name: str) -> list[int]:
+        """The signed words of all axes."""
+        words = [await self.read(name, axis) for axis in range(self.map[name].count)]
+        return [word - (word >> 31 << 32) for word in words]
+
+    async def write_axes(self, name: str, values) -> None:
+        for axis, value in enumerate(values):
+            await self.write(name, int(value), axis)
+
+    async def field(self, name: str, field: str) -> int:
+        return self.map[name].field(field, await self.read(name))

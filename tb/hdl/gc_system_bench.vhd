@@ -1,0 +1,128 @@
+-- SPDX-License-Identifier: MIT
+--
+-- gc_system with an encoder model on the pins of each axis: the test moves the axes, the bench makes the edges.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_network_pkg.all;
+
+entity gc_system_bench is
+  generic (
+    lanes_g         : positive := 4;
+    speed_timeout_g : positive := 10_000_000
+  );
+  port (
+    s_axi_aclk      : in    std_ulogic;
+    s_axi_aresetn   : in    std_ulogic;
+    s_axi_awaddr    : in    std_ulogic_vector(11 downto 0);
+    s_axi_awprot    : in    std_ulogic_vector(2 downto 0);
+    s_axi_awvalid   : in    std_ulogic;
+    s_axi_awready   : out   std_ulogic;
+    s_axi_wdata     : in    std_ulogic_vector(31 downto 0);
+    s_axi_wstrb     : in    std_ulogic_vector(3 downto 0);
+    s_axi_wvalid    : in    std_ulogic;
+    s_axi_wready    : out   std_ulogic;
+    s_axi_bresp     : out   std_ulogic_vector(1 downto 0);
+    s_axi_bvalid    : out   std_ulogic;
+    s_axi_bready    : in    std_ulogic;
+    s_axi_araddr    : in    std_ulogic_vector(11 downto 0);
+    s_axi_arprot    : in    std_ulogic_vector(2 downto 0);
+    s_axi_arvalid   : in    std_ulogic;
+    s_axi_arready   : out   std_ulogic;
+    s_axi_rdata     : out   std_ulogic_vector(31 downto 0);
+    s_axi_rresp     : out   std_ulogic_vector(1 downto 0);
+    s_axi_rvalid    : out   std_ulogic;
+    s_axi_rready    : in    std_ulogic;
+    irq             : out   std_ulogic;
+    clk             : in    std_ulogic;
+    -- Position of each axis to walk to and of its index, counts, axis 1 lowest; see gc_encoder_model.
+    target          : in    signed(inputs_c * 32 - 1 downto 0);
+    index_count     : in    signed(inputs_c * 32 - 1 downto 0);
+    load            : in    std_ulogic;
+    clocks_per_edge : in    unsigned(15 downto 0);
+    busy            : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Encoder pins, for the test to watch.
+    pin_a           : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_b           : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    estop_n         : in    std_ulogic;
+    drive_valid     : out   std_ulogic;
+    drive_current   : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    drive_enable    : out   std_ulogic;
+    brake_release   : out   std_ulogic_vector(inputs_c - 1 downto 0)
+  );
+end entity gc_system_bench;
+
+architecture sim of gc_system_bench is
+
+  signal a          : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal b          : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal z          : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal true_count : signed(inputs_c * 32 - 1 downto 0);
+
+begin
+
+  g_encoder : for i in 0 to inputs_c - 1 generate
+
+    i_encoder : entity work.gc_encoder_model
+      port map (
+        clk             => clk,
+        target          => target((i + 1) * 32 - 1 downto i * 32),
+        clocks_per_edge => clocks_per_edge,
+        load            => load,
+        load_count      => index_count((i + 1) * 32 - 1 downto i * 32),
+        index_count     => index_count((i + 1) * 32 - 1 downto i * 32),
+        a               => a(i),
+        b               => b(i),
+        z               => z(i),
+        count           => true_count((i + 1) * 32 - 1 downto i * 32),
+        busy            => busy(i)
+      );
+
+  end generate g_encoder;
+
+  pin_a <= a;
+  pin_b <= b;
+
+  i_system : entity work.gc_system
+    generic map (
+      lanes_g         => lanes_g,
+      speed_timeout_g => speed_timeout_g
+    )
+    port map (
+      s_axi_aclk    => s_axi_aclk,
+      s_axi_aresetn => s_axi_aresetn,
+      s_axi_awaddr  => s_axi_awaddr,
+      s_axi_awprot  => s_axi_awprot,
+      s_axi_awvalid => s_axi_awvalid,
+      s_axi_awready => s_axi_awready,
+      s_axi_wdata   => s_axi_wdata,
+      s_axi_wstrb   => s_axi_wstrb,
+      s_axi_wvalid  => s_axi_wvalid,
+      s_axi_wready  => s_axi_wready,
+      s_axi_bresp   => s_axi_bresp,
+      s_axi_bvalid  => s_axi_bvalid,
+      s_axi_bready  => s_axi_bready,
+      s_axi_araddr  => s_axi_araddr,
+      s_axi_arprot  => s_axi_arprot,
+      s_axi_arvalid => s_axi_arvalid,
+      s_axi_arready => s_axi_arready,
+      s_axi_rdata   => s_axi_rdata,
+      s_axi_rresp   => s_axi_rresp,
+      s_axi_rvalid  => s_axi_rvalid,
+      s_axi_rready  => s_axi_rready,
+      irq           => irq,
+      clk           => clk,
+      pin_a         => a,
+      pin_b         => b,
+      pin_z         => z,
+      estop_n       => estop_n,
+      drive_valid   => drive_valid,
+      drive_current => drive_current,
+      drive_enable  => drive_enable,
+      brake_release => brake_release
+    );
+
+end architecture sim;

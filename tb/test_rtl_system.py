@@ -1,0 +1,419 @@
+"""gc_system from the host's side: registers, clocks, tick, interrupt, results, brakes, path latency."""
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
+from cocotb.utils import get_sim_time
+
+from axi import BusError, Registers
+from codes import fixed_compensation, fixed_network, pack, unpack, weights_under_test
+from gravcomp.network import bittrue
+from gravcomp.network.compensation import compensator
+from gravcomp.network.quantise import COUNT_BITS
+from gravcomp.network.weights import weights_hash
+from runner import BENCHES, simulate
+
+N_AXES = 3
+STATES = {"braked": 0, "holding": 3, "run": 5, "fault": 6}
+CONTROL_PERIOD_US = 100  # of a control loop at 10 kHz
+
+
+class System:
+    """gc_system_bench with both clocks running, and its host."""
+
+    def __init__(self, dut):
+        self.dut = dut
+
+    async def start(self, axi_mhz: float, core_mhz: float = 40) -> None:
+        """Start the clocks and reset; every register then holds its reset value."""
+        dut = self.dut
+        Clock(dut.clk, 2 * round(5e8 / core_mhz), "fs").start()
+        Clock(dut.s_axi_aclk, 2 * round(5e8 / axi_mhz), "fs").start()
+        for port in ("target", "index_count", "load"):
+            getattr(dut, port).value = 0
+        dut.clocks_per_edge.value = 4
+        dut.estop_n.value = 1
+        for port in ("awvalid", "wvalid", "bready", "arvalid", "rready"):
+            getattr(dut, f"s_axi_{port}").value = 0
+        dut.s_axi_aresetn.value = 0
+        await self.clocks(40)
+        self.registers = Registers(dut)  # only now: it takes no 'U' on the ready pins
+        dut.s_axi_aresetn.value = 1
+        await self.clocks(60)
+
+    async def clocks(self, n: int) -> None:
+        for _ in range(n):
+            await FallingEdge(self.dut.clk)
+
+    async def home_near(self, counts: np.ndarray) -> None:
+        """Home the axes, by the registers, at indices beside the counts; the last edges are on the pins."""
+        index = counts - (counts - 2) % 4  # the decoder takes the index in phase 2
+        await self.registers.write_axes("index_position", index)
+        await self.registers.write("control", 0)
+        await self.registers.write("control", 7 << 4)
+        await self.clocks(1)
+        self.dut.index_count.value = self.dut.target.value = pack(index, COUNT_BITS)
+        self.dut.load.value = 1
+        await self.clocks(1)
+        self.dut.load.value = 0
+        await self.walk_to(index)
+        assert await self.registers.read("result_number") == 0
+        assert await self.registers.field("axis_flags", "referenced") == 7
+
+    async def walk_to(self, counts: np.ndarray) -> None:
+        self.dut.target.value = pack(counts, COUNT_BITS)
+        await self.clocks(2)
+        while self.dut.busy.value != 0:
+            await self.clocks(1)
+        await self.clocks(60)  # decoder and crossing
+
+    async def configure(self, **changes: int) -> None:
+        """Limits that nothing here exceeds, and the hash that the core has."""
+        values = {
+            "expected_weights": int(weights_hash(weights_under_test())[:8], 16),
+            "current_limit_ua": 10_000_000,
+            "current_slew_ua": 10_000_000,
+            "period_min_clocks": 8,
+            "saturation_clocks": 10_000,
+            "watchdog_clocks": 100_000,
+            "result_clocks": 10_000,
+            "brake_clocks": 20,
+            "tick_clocks": 150,
+            **changes,
+        }
+        for name, value in values.items():
+            await self.registers.write(name, value)
+        fixed = fixed_network()
+        await self.registers.write_axes("window_low", fixed.count_low - 100)
+        await self.registers.write_axes("window_high", fixed.count_high + 100)
+
+    async def run(self) -> None:
+        """Home, tick and release the brakes."""
+        counts = np.array([2002, -3002, 4002])
+        await self.home_near(counts)
+        await self.registers.write("control", 7 << 4 | 2)
+        await self.registers.write("command", 2)
+        await self.clocks(250)
+        await self.registers.write("command", 4)
+        await self.wait_for_state("braked")
+        await self.registers.write("control", 7 << 4 | 3)
+        await self.wait_for_state("run")
+
+    async def wait_for_state(self, name: str, most_reads: int = 50) -> None:
+        for _ in range(most_reads):
+            await self.registers.read("result_number")
+            if await self.registers.field("status", "state") == STATES[name]:
+                return
+        raise AssertionError(f"not {name}: {await self.registers.read('status'):#x}")
+
+    async def interrupt(self) -> None:
+        """Wait for irq."""
+        if self.dut.irq.value != 1:
+            await with_timeout(RisingEdge(self.dut.irq), 1, "ms")
+
+    async def result(self) -> dict[str, np.ndarray]:
+        """One whole result, position to current, and its number."""
+        number = await self.registers.read("result_number")
+        names = ("position", "speed_period", "force_mn", "current_ua")
+        return {"number": number, **{name: np.array(await self.registers.read_axes(name)) for name in names}}
+
+
+def assert_bit_true(result: dict[str, np.ndarray]) -> None:
+    """AssertionError when the forces and currents are not those of the result's own position and speed."""
+    fixed = fixed_network()
+    network_mn = bittrue.core(result["position"], fixed).force_mn
+    force_mn, _ = compensator(network_mn, result["position"], result["speed_period"], fixed_compensation())
+    np.testing.assert_array_equal(result["force_mn"], force_mn)
+    np.testing.assert_array_equal(result["current_ua"], bittrue.current_scaler(force_mn, fixed))
+
+
+def hardware_values() -> dict[str, list[int]]:
+    """What read-only registers hold after reset where that is not zero."""
+    fixed, digest = fixed_network(), weights_hash(weights_under_test())
+    return {
+        "geometry": [3 | fixed.n_hidden << 8 | 3 << 16 | 1 << 24],
+        "clock_hz": [40_000_000],
+        "weights_hash": [int(digest[8 * i : 8 * i + 8], 16) for i in range(8)],
+        "compensation_hash": None,
+        "trained_low": [int(low) & 0xFFFFFFFF for low in fixed.count_low],
+        "trained_high": [int(high) for high in fixed.count_high],
+        # no host has named its weights: a fault, of which the other causes are part
+        "status": [STATES["fault"]],
+        "cause": [0x388],
+        "fault": [0x388],
+        "first_cause": [0x008],
+        "interrupt_status": [0x2],
+    }
+
+
+@cocotb.test()
+async def register_map(dut):
+    """Reset values; what can be written holds, bit by bit; what cannot answers with an error and stays."""
+    system = System(dut)
+    await system.start(axi_mhz=40)
+    registers, rng, known = system.registers, np.random.default_rng(31), hardware_values()
+    cocotb.log.info("seed 31")
+    await registers.read("result_number")
+    for name, register in registers.map.items():
+        for axis in range(register.count):
+            if not register.readable:
+                with pytest.raises(BusError, match="SLVERR"):
+                    await registers.read(name, axis)
+                continue
+            value = await registers.read(name, axis)
+            expected = known.get(name, [register.reset] * register.count)
+            if name == "speed_period":
+                expected = [0] * N_AXES
+            assert expected is None or value == expected[axis], f"{name}({axis}): {value:#x}"
+            if not register.holding:
+                if name == "interrupt_status":
+                    continue
+                with pytest.raises(BusError, match="SLVERR"):
+                    await registers.write(name, ~value, axis)
+    await holds_what_is_written(registers, rng)
+
+
+async def holds_what_is_written(registers: Registers, rng: np.random.Generator) -> None:
+    written = {}
+    for name, register in registers.map.items():
+        for axis in range(register.count if register.holding else 0):
+            word = int(rng.integers(0, 2**32)) & ~(2 if name == "control" else 0)  # no tick
+            await registers.write(name, word, axis)
+            written[name, axis] = word & register.holding
+    for (name, axis), word in written.items():
+        assert await registers.read(name, axis) == word, name
+    address = registers.map["window_low"].address
+    await registers.master.write(address + 2, b"\xa5")
+    low = written["window_low", 0] & 0xFF00FFFF | 0xA50000
+    assert await registers.read("window_low") == low, "byte strobe"
+
+
+@cocotb.test()
+async def addresses_without_a_register(dut):
+    system = System(dut)
+    await system.start(axi_mhz=40)
+    used = {r.address + 4 * k for r in system.registers.map.values() for k in range(r.count)}
+    free = [address for address in range(0, 0x200, 4) if address not in used]
+    for address in [*free[::3], 0x200, 0x800, 0xFFC]:
+        with pytest.raises(BusError, match="SLVERR"):
+            await system.registers.read_at(address)
+        with pytest.raises(BusError, match="SLVERR"):
+            await system.registers.write_at(address, 0xFFFFFFFF)
+    assert await system.registers.read("id") == 0x67636D70
+
+
+@cocotb.test()
+@cocotb.parametrize(mhz=[(10, 40), (100, 40), (40.01, 40), (33.333, 10)])
+async def results_equal_the_model(dut, mhz):
+    """Software starts at random poses: every result is that of the bit-true model at the counts on the pins."""
+    system, rng = System(dut), np.random.default_rng(32)
+    cocotb.log.info("seed 32")
+    await system.start(*mhz)
+    fixed = fixed_network()
+    poses = rng.integers(fixed.count_low, fixed.count_high, (3, N_AXES))
+    await system.registers.write("interrupt_status", 7)
+    await system.registers.write("interrupt_enable", 1)
+    for k, counts in enumerate(poses):
+        if k == 0:
+            await system.home_near(counts)
+        else:
+            counts = poses[0] + rng.integers(-40, 40, N_AXES)
+        await system.walk_to(counts)
+        assert dut.irq.value == 0
+        await system.registers.write("command", 1)
+        await system.interrupt()
+        result = await system.result()
+        assert result["number"] == k + 1
+        np.testing.assert_array_equal(result["position"], counts)
+        np.testing.assert_array_equal(await system.registers.read_axes("position_now"), counts)
+        assert_bit_true(result)
+        await system.registers.write("interrupt_status", 1)
+        await system.clocks(20)
+
+
+@cocotb.test()
+async def one_interrupt_per_tick(dut):
+    """Ticks to interrupts: their spacing is the tick's, none is missing, no number is skipped."""
+    system = System(dut)
+    await system.start(axi_mhz=40)
+    registers = system.registers
+    await registers.write("tick_clocks", 300)
+    await registers.write("interrupt_status", 7)
+    await registers.write("interrupt_enable", 5)
+    await registers.write("control", 2)
+    times_ns, numbers = [], []
+    for _ in range(12):
+        await system.interrupt()
+        times_ns.append(get_sim_time("ns"))
+        assert await registers.read("interrupt_status") == 1
+        await registers.write("interrupt_status", 1)
+        assert dut.irq.value == 0
+        numbers.append(await registers.read("result_number"))
+    assert numbers == list(range(1, 13))
+    np.testing.assert_allclose(np.diff(times_ns), 300 * 25, atol=10 * 25)  # a round trip of the state
+    assert await registers.read("missed_ticks") == 0
+
+
+@cocotb.test()
+async def missed_ticks(dut):
+    """A tick shorter than an inference: every tick is a result, a miss, or under way; a miss interrupts."""
+    system = System(dut)
+    await system.start(axi_mhz=40)
+    registers = system.registers
+    await registers.write("tick_clocks", 17)
+    await registers.write("interrupt_status", 7)
+    await registers.write("interrupt_enable", 4)
+    await registers.write("control", 2)
+    began = get_sim_time("ns")
+    await system.interrupt()
+    await system.clocks(2000)
+    number = await registers.read("result_number")
+    elapsed = (get_sim_time("ns") - began) / 25
+    missed = await registers.read("missed_ticks")
+    print(f"MEASURED {elapsed:.0f} clocks, {number} results, {missed} missed")
+    assert abs(number + missed - elapsed / 17) < 3
+    assert missed >= number > 20
+    await registers.write("control", 0)
+    await system.clocks(100)
+    await registers.write("interrupt_status", 7)
+    await system.clocks(200)
+    assert dut.irq.value == 0
+
+
+@cocotb.test()
+@cocotb.parametrize(axi_mhz=[40.01, 9.7])
+async def whole_results_while_the_axes_move(dut, axi_mhz):
+    """The host reads as results come: none it sees mixes two."""
+    system = System(dut)
+    await system.start(axi_mhz)
+    await system.home_near(np.array([2002, -3002, 4002]))
+    dut.clocks_per_edge.value = 9
+    dut.target.value = pack([150_000, -150_000, 150_000], COUNT_BITS)
+    await system.registers.write("tick_clocks", 61)
+    await system.registers.write("control", 7 << 4 | 2)
+    await system.clocks(400)
+    results = []
+    for _ in range(15):
+        results.append(await system.result())
+        assert_bit_true(results[-1])
+    assert len({tuple(result["force_mn"]) for result in results}) > 10
+
+
+@cocotb.test()
+async def brakes_and_faults(dut):
+    """Released by the registers; a host that stops kicking is a fault, with its cause, until it is cleared."""
+    system = System(dut)
+    await system.start(axi_mhz=40)
+    registers = system.registers
+    await system.configure(watchdog_clocks=6000)
+    assert (dut.brake_release.value, dut.drive_enable.value) == (0, 0)
+    await system.run()
+    assert (dut.brake_release.value, dut.drive_enable.value) == (7, 1)
+    await registers.read("result_number")
+    command = await registers.read_axes("command_ua")
+    assert (
+        command == await registers.read_axes("current_ua") == unpack([int(dut.drive_current.value)], 32, 3)[0].tolist()
+    )
+    assert await registers.field("axis_flags", "settled") == 7
+    await registers.write("interrupt_status", 7)
+    await registers.write("interrupt_enable", 2)
+    position = await registers.read_axes("position_now")
+    await system.interrupt()
+    await registers.read("result_number")
+    assert await registers.read("first_cause") == 1 << 7
+    assert await registers.read_axes("first_position") == position
+    assert await registers.read("fault") == 1 << 7
+    assert (dut.brake_release.value, dut.drive_enable.value, dut.drive_current.value) == (0, 0, 0)
+    await registers.write("command", 4)
+    await system.wait_for_state("fault")
+    await registers.write("command", 2)
+    await registers.write("command", 4)
+    await system.wait_for_state("braked")
+    assert await registers.read("fault") == 0
+
+
+@cocotb.test()
+async def emergency_stop_needs_no_host(dut):
+    system = System(dut)
+    await system.start(axi_mhz=40)
+    await system.configure()
+    await system.run()
+    dut.estop_n.value = 0
+    await system.clocks(6)
+    assert (dut.brake_release.value, dut.drive_enable.value, dut.drive_current.value) == (0, 0, 0)
+
+
+@cocotb.test()
+async def path_latency(dut):
+    """Clocks from an edge on an encoder pin to the command that knows it, at every phase of the tick."""
+    system, tick_clocks = System(dut), 150
+    await system.start(axi_mhz=10)
+    await system.configure(tick_clocks=tick_clocks)
+    await system.run()
+    controller = dut.i_system.i_controller
+    dut.clocks_per_edge.value = 97
+    dut.target.value = pack([5002, -3002, 4002], COUNT_BITS)
+    count, starts, latencies = 2002, [], []
+    edges, pins = [], None
+    for clock in range(7000):
+        await FallingEdge(dut.clk)
+        now = (int(dut.pin_a.value) & 1, int(dut.pin_b.value) & 1)
+        if pins not in (None, now):
+            count += 1
+            edges.append((count, clock))
+        pins = now
+        if controller.begins.value == 1:
+            starts.append(unpack([int(controller.count.value)], COUNT_BITS, N_AXES)[0][0])
+        if dut.drive_valid.value == 1 and starts:
+            known = starts.pop()
+            while edges and edges[0][0] <= known:
+                latencies.append(clock - edges.pop(0)[1])
+    report_latency(np.array(latencies), tick_clocks)
+
+
+def report_latency(clocks: np.ndarray, tick_clocks: int) -> None:
+    path, tick_10_khz = clocks.min(), 4000
+    worst = path + tick_10_khz - 1
+    print(f"MEASURED {len(clocks)} edges: {path} to {clocks.max()} clocks with a tick of {tick_clocks}")
+    print(f"MEASURED path {path} clocks, {path / 40:.3f} us at 40 MHz, {path / 40 / CONTROL_PERIOD_US:.2%} of 100 us")
+    print(f"MEASURED with a tick of 10 kHz at most {worst} clocks, {worst / 40:.2f} us")
+    assert clocks.max() <= path + tick_clocks - 1
+    assert clocks.max() - path > 0.9 * tick_clocks, "the phases of the tick were not all seen"
+    assert path <= 60
+
+
+def simulate_system(tests: str, **options) -> None:
+    simulate(
+        "gc_system_bench",
+        "test_rtl_system",
+        tests=rf"\.({tests})(/|$)",
+        label=options.pop("label", tests.split("|")[0]),
+        extra_sources=tuple(BENCHES / f"{name}.vhd" for name in ("gc_encoder_model", "gc_system_bench")),
+        **options,
+    )
+
+
+def test_system_registers_follow_their_map():
+    simulate_system("register_map|addresses_without_a_register", generics={"lanes_g": 1})
+
+
+@pytest.mark.slow
+def test_system_results_equal_the_model_whatever_the_clocks():
+    simulate_system("results_equal_the_model|whole_results_while_the_axes_move", generics={"lanes_g": 4})
+
+
+@pytest.mark.slow
+def test_system_interrupts_once_per_result_and_counts_missed_ticks():
+    simulate_system("one_interrupt_per_tick|missed_ticks", generics={"lanes_g": 4})
+
+
+@pytest.mark.slow
+def test_system_releases_brakes_and_stops_on_faults():
+    simulate_system("brakes_and_faults|emergency_stop_needs_no_host", generics={"lanes_g": 4})
+
+
+@pytest.mark.slow
+def test_system_path_from_encoder_edge_to_command():
+    simulate_system("path_latency", generics={"lanes_g": 4})
