@@ -8,5 +8,5 @@ create_clock -name s_axi_aclk -period 100.000 [get_ports s_axi_aclk]
 set_max_delay -datapath_only -from [get_clocks clk] -to [get_clocks s_axi_aclk] 25.000
 set_max_delay -datapath_only -from [get_clocks s_axi_aclk] -to [get_clocks clk] 25.000
 
-# Each pin, and the reset on its way to clk, ends in a synchroniser, whose flip-flops carry ASYNC_REG in the VHDL.
+# Each pin ends in a synchroniser, whose flip-flops carry ASYNC_REG in the VHDL.
 set_false_path -from [get_ports {pin_a[*] pin_b[*] pin_z[*] estop_n}]
