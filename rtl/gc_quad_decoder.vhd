@@ -149,33 +149,20 @@ begin
 
       change_v := phase - phase_1;
       if count_valid = '1' then
-
-        case change_v is
-
-          when "01" =>
-
-            count <= count + 1;
-            direction <= '1';
-            step_valid <= '1';
-
-          when "11" =>
-
-            count <= count - 1;
-            direction <= '0';
-            step_valid <= '1';
-
-          when "10" =>
-
-            sts_illegal <= '1';
-            sts_referenced <= '0';
-            step_lost <= '1';
-
-          when others =>
-
-            null;
-
-        end case;
-
+        -- no `case` over all values: GHDL 2.0.0 makes latches of it in Verilog
+        if change_v = 1 then
+          count <= count + 1;
+          direction <= '1';
+          step_valid <= '1';
+        elsif change_v = 3 then
+          count <= count - 1;
+          direction <= '0';
+          step_valid <= '1';
+        elsif change_v = 2 then
+          sts_illegal <= '1';
+          sts_referenced <= '0';
+          step_lost <= '1';
+        end if;
       end if;
 
       -- after the count: the index says where the axis is, whatever the step that led there
