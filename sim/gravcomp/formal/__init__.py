@@ -1,0 +1,1 @@
+"""Proofs about the hardware for every input and every run, not for samples."""

@@ -1,0 +1,56 @@
+"""What is proven about the hardware, by which checker of tb/formal, for which generics."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from gravcomp.formal.model_check import Verdict, model_check, shortest_run
+from gravcomp.synthesis.verilog import rtl_sources, to_verilog
+
+HIDDEN = 20
+LANES = (1, 2, 4, 5, 10, 20)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Assertions of one checker about one entity: entity with its generics, checker with its parameters.
+
+    clocks_behind_core: what the entity's latency is longer than that of gc_core with the same generics; the checker
+    then gets the sum as LATENCY.
+    """
+
+    checker: str
+    entity: str
+    generics: Mapping[str, int] = field(default_factory=dict)
+    parameters: Mapping[str, int] = field(default_factory=dict)
+    clocks_behind_core: int | None = None
+
+    @property
+    def name(self) -> str:
+        return "-".join([self.checker, *(f"{name}{value}" for name, value in self.generics.items())])
+
+
+CLAIMS = (
+    *(Claim("glitch_filter", "gc_glitch_filter", {"samples_g": n}, {"SAMPLES": n}) for n in (1, 2, 4, 5)),
+    Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 0, "speed_timeout_g": 20}),
+    Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 4}),
+    *(Claim("valid_pipeline", "gc_core", {"lanes_g": n}, {"INTERVAL": HIDDEN // n}, 0) for n in LANES),
+    Claim("top", "gc_top", {"lanes_g": 4}, clocks_behind_core=16),
+)
+
+
+def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
+    """Prove or refute a claim about the VHDL of folder rtl; intermediate files go to a folder of its name in out."""
+    folder, parameters = out / claim.name, dict(claim.parameters)
+    if claim.clocks_behind_core is not None:
+        core = _design("gc_core", claim.generics, rtl, folder / "core")
+        # The shortest run to a result; that all others take as long is then proven.
+        latency = shortest_run(core, checkers / "valid_pipeline.sv", folder / "core", {"LATENCY": 0}) - 1
+        parameters["LATENCY"] = latency + claim.clocks_behind_core
+    design = _design(claim.entity, claim.generics, rtl, folder)
+    return model_check(design, checkers / f"{claim.checker}.sv", folder, parameters)
+
+
+def _design(entity: str, generics: Mapping[str, int], rtl: Path, folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    return to_verilog(rtl_sources(rtl), entity, generics, folder / "design.v")

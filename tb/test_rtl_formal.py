@@ -1,0 +1,74 @@
+"""Every claim about the hardware is proven, and every checker refutes a fault planted in the VHDL."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from gravcomp.formal.claims import CLAIMS, verify
+from runner import BUILD, ROOT
+
+CHECKERS = ROOT / "tb" / "formal"
+BY_NAME = {claim.name: claim for claim in CLAIMS}
+SLOW = ("valid_pipeline-lanes_g1", "top-lanes_g4")
+
+FILTERED, UNFILTERED = "quad_decoder-filter_samples_g4", "quad_decoder-filter_samples_g0-speed_timeout_g20"
+
+# claim, file, VHDL, fault, assertion that must break
+PLANTED = [
+    ("glitch_filter-samples_g4", "gc_glitch_filter", "if run_v = samples_g then", "if run_v = samples_g - 1 then",
+     "short_pulse_never_passes"),
+    ("glitch_filter-samples_g4", "gc_glitch_filter", "run_v := 0;\n          if", "run_v := run;\n          if",
+     "dropped_pulse_is_reported"),
+    ("glitch_filter-samples_g4", "gc_glitch_filter", "known <= '1';", "known <= known;", "long_level_always_passes"),
+    ("glitch_filter-samples_g4", "gc_glitch_filter", "or in_valid = '0' then", "then", "reset_forgets_the_level"),
+    (UNFILTERED, "gc_quad_decoder", "count <= count + 1;", "count <= count + 2;",
+     "moves_by_at_most_one"),
+    (UNFILTERED, "gc_quad_decoder", "level(0) xor level(1)", "level(0) or level(1)",
+     "counts_every_edge"),
+    (UNFILTERED, "gc_quad_decoder", "direction <= '1';", "direction <= '0';",
+     "direction_is_that_of_the_edge"),
+    (UNFILTERED, "gc_quad_decoder", "sts_illegal <= '1';", "sts_illegal <= not cfg_clear;",
+     "illegal_edge_is_flagged"),
+    (UNFILTERED, "gc_quad_decoder", "sts_illegal <= '1';\n          sts_referenced <= '0';",
+     "sts_illegal <= '1';", "illegal_edge_ends_the_reference"),
+    (FILTERED, "gc_quad_decoder", "if dropped(0) = '1' or dropped(1) = '1'",
+     "if dropped(0) = '1'", "dropped_pulse_is_flagged"),
+    (UNFILTERED, "gc_quad_decoder", "count <= cfg_index_position;",
+     "count <= cfg_index_position + 1;", "homing_sets_the_index_position"),
+    (UNFILTERED, "gc_quad_decoder", "direction <= '0';\n        sts", "sts", "reset_clears"),
+    (UNFILTERED, "gc_speed_meter", "        speed_zero <= '0';\n        speed_period <= slowest_c;",
+     "        speed_zero <= '0';", "reset_forgets_the_speed"),
+    ("valid_pipeline-lanes_g4", "gc_core", "since_runs <= in_valid or not since(0);", "since_runs <= in_valid;",
+     "ready_after_the_interval"),
+    ("valid_pipeline-lanes_g5", "gc_multiply", "valid_2 <= '0';", "valid_2 <= valid_1;", "none_invented"),
+    ("valid_pipeline-lanes_g2", "gc_core", "lane_valid <= x_valid or not step(0);", "lane_valid <= x_valid;",
+     "none_lost"),
+    ("valid_pipeline-lanes_g20", "gc_core", "in_ready <= since(0);", "in_ready <= since(0) and not x_valid;",
+     "always_ready"),
+]  # fmt: skip
+
+
+def planted(folder: Path, file: str, good: str, bad: str) -> Path:
+    """A copy of rtl/ in which good, of which there is one in the file, became bad."""
+    rtl = folder / "rtl"
+    shutil.copytree(ROOT / "rtl", rtl)
+    source = rtl / f"{file}.vhd"
+    text = source.read_text()
+    assert text.count(good) == 1, f"{source.name}: {text.count(good)} times {good!r}"
+    source.write_text(text.replace(good, bad))
+    return rtl
+
+
+@pytest.mark.parametrize(
+    "claim", [pytest.param(c, id=c.name, marks=[pytest.mark.slow] * (c.name in SLOW)) for c in CLAIMS]
+)
+def test_claim_is_proven(claim):
+    verdict = verify(claim, ROOT / "rtl", CHECKERS, BUILD / "formal")
+    assert verdict.holds, verdict
+
+
+@pytest.mark.parametrize(("name", "file", "good", "bad", "assertion"), PLANTED, ids=[p[4] for p in PLANTED])
+def test_planted_fault_is_refuted(tmp_path, name, file, good, bad, assertion):
+    verdict = verify(BY_NAME[name], planted(tmp_path, file, good, bad), CHECKERS, tmp_path / "out")
+    assert assertion in verdict.broken, verdict
