@@ -5,10 +5,10 @@
 --   target = in_current clipped to +- cfg_limit
 --   out_current := out_current + (target - out_current clipped to +- cfg_slew)      once per result
 --
--- Formats: 32 bits, uA -> 32 bits, uA. Latency: 4 clocks from in_valid to out_valid and out_current.
--- A result is taken every fourth clock at most; one that comes sooner is dropped.
+-- Formats: 32 bits, uA -> 32 bits, uA. Latency: 6 clocks from in_valid to out_valid and out_current.
+-- A result is taken every sixth clock at most; one that comes sooner is dropped.
 -- run = '0': the command is zero one clock later, without a ramp. When run rises, the command ramps from zero.
--- A limit that is lowered is reached by the slew, too. A change of cfg_* counts from the second clock after it.
+-- cfg_* is sampled one clock before a result is taken. A limit that is lowered is reached by the slew, too.
 -- Overflow: cannot happen. The command never leaves the interval from its last value to the target, and the target's
 -- magnitude is below 2**31; -2**31 is clipped.
 
@@ -48,9 +48,8 @@ architecture rtl of gc_drive is
 
   constant bits_c : positive := current_bits_c;
 
-  signal valid_1 : std_ulogic := '0';
-  signal valid_2 : std_ulogic := '0';
-  signal valid_3 : std_ulogic := '0';
+  -- Bit k: a result is in stage k.
+  signal valid   : std_ulogic_vector(1 to 5) := (others => '0');
   signal taken   : std_ulogic;
   signal ceiling : signed(bits_c - 1 downto 0) := (others => '0');
   signal floor   : signed(bits_c - 1 downto 0) := (others => '0');
@@ -59,16 +58,19 @@ architecture rtl of gc_drive is
 
 begin
 
-  taken <= in_valid and not (valid_1 or valid_2 or valid_3);
+  taken <= in_valid when unsigned(valid) = 0 else '0';
 
+  -- Limits stay as they are while a result uses them.
   p_limits : process (clk) is
   begin
 
     if rising_edge(clk) then
-      ceiling <= signed('0' & cfg_limit);
-      floor <= -signed('0' & cfg_limit);
-      rise <= signed('0' & cfg_slew);
-      fall <= -signed('0' & cfg_slew);
+      if taken = '0' and unsigned(valid(1 to 4)) = 0 then
+        ceiling <= signed('0' & cfg_limit);
+        floor <= -signed('0' & cfg_limit);
+        rise <= signed('0' & cfg_slew);
+        fall <= -signed('0' & cfg_slew);
+      end if;
     end if;
 
   end process p_limits;
@@ -77,14 +79,10 @@ begin
   begin
 
     if rising_edge(clk) then
-      valid_1 <= taken;
-      valid_2 <= valid_1;
-      valid_3 <= valid_2;
-      out_valid <= valid_3;
+      valid <= taken & valid(1 to 4);
+      out_valid <= valid(5);
       if run = '0' or rst = '1' then
-        valid_1 <= '0';
-        valid_2 <= '0';
-        valid_3 <= '0';
+        valid <= (others => '0');
         out_valid <= '0';
       end if;
     end if;
@@ -92,12 +90,15 @@ begin
   end process p_valid;
 
   g_axis : for i in 0 to outputs_c - 1 generate
-    signal target_1  : signed(bits_c - 1 downto 0) := (others => '0');
-    signal limited_1 : std_ulogic := '0';
-    signal gap_2     : signed(bits_c downto 0) := (others => '0');
-    signal step_3    : signed(bits_c - 1 downto 0) := (others => '0');
-    signal settled_3 : std_ulogic := '0';
-    signal command   : signed(bits_c - 1 downto 0) := (others => '0');
+    signal asked_1  : signed(bits_c - 1 downto 0) := (others => '0');
+    signal above_1  : std_ulogic := '0';
+    signal below_1  : std_ulogic := '0';
+    signal target_2 : signed(bits_c - 1 downto 0) := (others => '0');
+    signal gap_3    : signed(bits_c downto 0) := (others => '0');
+    signal above_4  : std_ulogic := '0';
+    signal below_4  : std_ulogic := '0';
+    signal step_5   : signed(bits_c - 1 downto 0) := (others => '0');
+    signal command  : signed(bits_c - 1 downto 0) := (others => '0');
   begin
 
     p_drive : process (clk) is
@@ -107,39 +108,42 @@ begin
     begin
 
       if rising_edge(clk) then
-        -- stage 1: magnitude; held until stage 4
+        -- stage 1: compare with the limits; what follows holds until stage 6
         current_v := in_current((i + 1) * bits_c - 1 downto i * bits_c);
         if taken = '1' then
-          target_1 <= current_v;
-          limited_1 <= '0';
-          if current_v > ceiling then
-            target_1 <= ceiling;
-            limited_1 <= '1';
-          elsif current_v < floor then
-            target_1 <= floor;
-            limited_1 <= '1';
-          end if;
+          asked_1 <= current_v;
+          above_1 <= '1' when current_v > ceiling else '0';
+          below_1 <= '1' when current_v < floor else '0';
         end if;
 
-        -- stage 2: distance, one bit wider than its terms
-        gap_2 <= resize(target_1, bits_c + 1) - command;
-
-        -- stage 3: slew
-        step_3 <= gap_2(bits_c - 1 downto 0);
-        settled_3 <= '1';
-        if gap_2 > rise then
-          step_3 <= rise;
-          settled_3 <= '0';
-        elsif gap_2 < fall then
-          step_3 <= fall;
-          settled_3 <= '0';
+        -- stage 2: clip
+        target_2 <= asked_1;
+        if above_1 = '1' then
+          target_2 <= ceiling;
+        elsif below_1 = '1' then
+          target_2 <= floor;
         end if;
 
-        -- stage 4: the command
-        if valid_3 = '1' then
-          command <= command + step_3;
-          out_limited(i) <= limited_1;
-          out_settled(i) <= settled_3;
+        -- stage 3: distance, one bit wider than its terms
+        gap_3 <= resize(target_2, bits_c + 1) - command;
+
+        -- stage 4: compare with the slew
+        above_4 <= '1' when gap_3 > rise else '0';
+        below_4 <= '1' when gap_3 < fall else '0';
+
+        -- stage 5: clip
+        step_5 <= gap_3(bits_c - 1 downto 0);
+        if above_4 = '1' then
+          step_5 <= rise;
+        elsif below_4 = '1' then
+          step_5 <= fall;
+        end if;
+
+        -- stage 6: the command
+        if valid(5) = '1' then
+          command <= command + step_5;
+          out_limited(i) <= above_1 or below_1;
+          out_settled(i) <= not (above_4 or below_4);
         end if;
         if run = '0' or rst = '1' then
           command <= (others => '0');

@@ -68,16 +68,17 @@ async def extreme_currents_do_not_overflow(dut, slew):
 
 
 @cocotb.test()
-@cocotb.parametrize(stop_after=range(6))
+@cocotb.parametrize(stop_after=range(LATENCY + 2))
 async def stop_is_zero_one_clock_later(dut, stop_after):
     """From every stage of the pipeline; nothing of the results under way shows after run has risen again."""
     current = np.full((9, fixed_network().n_axes), 5000)
     inputs = inputs_of(current, limit=4000, slew=3000)
-    stop = 12 + stop_after
+    second = 4 + 2 * LATENCY  # clock in which the second command shows
+    stop = 4 + LATENCY + stop_after
     inputs["run"][stop : stop + 2] = 0
     inputs["in_valid"][stop + 1 :] = 0
     got = await run_and_compare(dut, inputs)
-    assert (got["out_current"][stop] == 3000 + 1000 * (stop >= 12)).all()
+    assert (got["out_current"][stop] == 3000 + 1000 * (stop >= second)).all()
     assert not got["out_current"][stop + 1 :].any()
     assert not got["out_settled"][stop + 1 :].any()
     assert not got["out_limited"][stop + 1 :].any()

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-LATENCY = 4  # clocks from in_valid to out_valid, and the fewest between two results that are both taken
+LATENCY = 6  # clocks from in_valid to out_valid, and the fewest between two results that are both taken
 
 
 def drive(inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -19,28 +19,22 @@ def drive(inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     out = {name: np.zeros_like(asked_ua) for name in ("out_current", "out_limited", "out_settled")}
     out["out_valid"] = np.zeros(len(asked_ua), np.int64)
     valid = [False] * (LATENCY - 1)
-    command, target, gap, step, limited, settled = np.zeros((6, asked_ua.shape[1]), np.int64)
-    out_limited, out_settled, limit, slew = limited, settled, 0, 0
+    command, step, limited, settled, out_limited, out_settled = np.zeros((6, asked_ua.shape[1]), np.int64)
+    limit, slew = 0, 0
     for k in range(len(asked_ua) - 1):
-        is_taken = inputs["in_valid"][k] and not any(valid)
-        last_command, is_new = command, valid[-1]
+        is_taken, is_new = inputs["in_valid"][k] and not any(valid), valid[-1]
         if is_new:
             command, out_limited, out_settled = command + step, limited, settled
-        step = np.clip(gap, -slew, slew)
-        settled = step == gap
-        gap = target - last_command
         if is_taken:
             target = np.clip(asked_ua[k], -limit, limit)
-            limited = target != asked_ua[k]
-        limit, slew = inputs["cfg_limit"][k], inputs["cfg_slew"][k]
+            step = np.clip(target - command, -slew, slew)
+            limited, settled = target != asked_ua[k], step == target - command
+        elif not any(valid[:-1]):
+            limit, slew = inputs["cfg_limit"][k], inputs["cfg_slew"][k]
         valid = [is_taken, *valid[:-1]]
         if inputs["rst"][k] or not inputs["run"][k]:
             valid, is_new = [False] * len(valid), False
             command, out_limited, out_settled = np.zeros((3, asked_ua.shape[1]), np.int64)
-        out["out_valid"][k + 1] = is_new
-        out["out_current"][k + 1], out["out_limited"][k + 1], out["out_settled"][k + 1] = (
-            command,
-            out_limited,
-            out_settled,
-        )
+        out["out_valid"][k + 1], out["out_current"][k + 1] = is_new, command
+        out["out_limited"][k + 1], out["out_settled"][k + 1] = out_limited, out_settled
     return out
