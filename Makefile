@@ -72,7 +72,7 @@ table2: setup ## the paper's Table 2 on the virtual prototype; docs/table2.md
 gatesim: setup ## the core as GHDL's Verilog, as generic and as ECP5 netlist passes the tests of the VHDL, under Icarus
 	@$(PYTEST) -q -n auto -m "" tb/test_rtl_gates.py
 
-gatesim-nightly: setup ## 100 000 random poses through GHDL's Verilog under Verilator
+gatesim-nightly: setup ## 100 000 random poses through GHDL's Verilog, 10 000 through the ECP5 netlist, under Verilator
 	@scripts/setup.sh verilator
 	@$(PYTEST) -s -m gatesim tb/test_rtl_poses.py
 

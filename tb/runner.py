@@ -85,12 +85,12 @@ def simulate(
     assert n_failed == 0, f"{name}: {n_failed} of {n_tests} cocotb tests failed\n{_tail(log)}"
 
 
-def verilate(verilog: Path, entity: str, bench: Path, name: str) -> Path:
-    """Compile an entity's Verilog and a bench in C++ with Verilator; returns the program. AssertionError if it fails."""
+def verilate(verilog: Sequence[Path], entity: str, bench: Path, name: str) -> Path:
+    """Compile an entity's Verilog and a bench in C++ with Verilator; returns the program. AssertionError on failure."""
     folder = BUILD / "verilated" / name
     folder.mkdir(parents=True, exist_ok=True)
-    command = ["verilator", "--cc", "--exe", "--build", "-O3", "-CFLAGS", "-O2", "-Wno-lint", "-Wno-INITIALDLY"]
-    command += ["--top-module", entity, "--Mdir", folder, "-o", "bench", verilog, bench]
+    command = ["verilator", "--cc", "--exe", "--build", "-O3", "-CFLAGS", "-O2", "--top-module", entity]
+    command += ["-Wno-lint", "-Wno-INITIALDLY", "-Wno-UNOPTFLAT", "--Mdir", folder, "-o", "bench", *verilog, bench]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{name}: Verilator fails\n{done.stderr[-3000:]}"
     return folder / "bench"

@@ -1,5 +1,8 @@
 """gc_core as Verilog and as netlists passes the tests of tb/test_rtl_core.py, bit for bit, under Icarus."""
 
+import os
+from pathlib import Path
+
 import pytest
 
 import test_rtl_core
@@ -12,17 +15,29 @@ GATES = BUILD / "gates"
 ECP5_MODELS = ROOT / "tb" / "gates" / "ecp5.v"
 ECP5_MULTIPLY = RTL / "ecp5" / "gc_multiply_18_18.v"
 
-# Its interval and latency are those of the VHDL; its speed of simulation is not.
+# Interval and latency are those of the VHDL; the speed of simulation is not, so it goes elsewhere.
 test_rtl_core.BUILD = GATES
+draw_counts = test_rtl_core.draw_counts
+# Gates are simulated slowly: a test may be given fewer poses.
+test_rtl_core.draw_counts = lambda n, rng: draw_counts(min(n, int(os.environ.get("POSES", n))), rng)
 
 
-def ghdl_verilog(lanes: int):
+def ghdl_verilog(lanes: int) -> Path:
     """The core in the Verilog that GHDL writes."""
     return to_verilog(rtl_sources(RTL), "gc_core", {"lanes_g": lanes}, GATES / f"gc_core-{lanes}.v")
 
 
-def run(lanes: int, kind: str, verilog) -> None:
-    simulate("gc_core", "test_rtl_gates", generics={"lanes_g": lanes}, label=kind, verilog=verilog)
+def netlist(lanes: int, target: str) -> list[Path]:
+    """The core after synthesis for a target, with the models of its primitives."""
+    is_ecp5 = target == "ecp5"
+    mapping = ECP5_MULTIPLY if is_ecp5 else None
+    found = synthesise(ghdl_verilog(lanes), "gc_core", target, GATES / f"{target}-{lanes}", mapping=mapping)
+    return [found.verilog, ECP5_MODELS] if is_ecp5 else [found.verilog]
+
+
+def run(lanes: int, kind: str, verilog: list[Path], **environment: str) -> None:
+    generics = {"lanes_g": lanes}
+    simulate("gc_core", "test_rtl_gates", generics=generics, label=kind, verilog=verilog, environment=environment)
 
 
 @pytest.mark.parametrize("lanes", [1, 4, pytest.param(20, marks=[pytest.mark.slow, pytest.mark.gatesim])])
@@ -33,15 +48,6 @@ def test_core_as_verilog_of_ghdl_equals_model(lanes):
 @pytest.mark.slow
 @pytest.mark.gatesim
 @pytest.mark.parametrize("lanes", [1, 4])
-def test_core_as_generic_netlist_equals_model(lanes):
-    netlist = synthesise(ghdl_verilog(lanes), "gc_core", "generic", GATES / f"generic-{lanes}")
-    run(lanes, "generic", [netlist.verilog])
-
-
-@pytest.mark.slow
-@pytest.mark.gatesim
-@pytest.mark.parametrize("lanes", [1, 4])
-def test_core_as_ecp5_netlist_equals_model(lanes):
-    out = GATES / f"ecp5-{lanes}"
-    netlist = synthesise(ghdl_verilog(lanes), "gc_core", "ecp5", out, mapping=ECP5_MULTIPLY)
-    run(lanes, "ecp5", [netlist.verilog, ECP5_MODELS])
+@pytest.mark.parametrize("target", ["generic", "ecp5"])
+def test_core_as_netlist_equals_model(target, lanes):
+    run(lanes, target, netlist(lanes, target), POSES="20")

@@ -1,8 +1,8 @@
-"""100 000 random poses through gc_core, as the Verilog that GHDL writes, under Verilator: equal to the bit-true model."""
+"""Many random poses through gc_core, as Verilog of GHDL and as ECP5 netlist, under Verilator: equal to the model."""
 
-import json
 import subprocess
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,33 +10,31 @@ import pytest
 from codes import fixed_network, unpack
 from gravcomp.network import bittrue
 from gravcomp.network.quantise import FORCE_BITS
-from runner import BUILD, ROOT, verilate
-from test_rtl_core import draw_counts
-from test_rtl_gates import ghdl_verilog
+from runner import ROOT, verilate
+from test_rtl_gates import draw_counts, ghdl_verilog, netlist
 
-N_POSES, SEED = 100_000, 21
+N_POSES, SEED = {"ghdl": 100_000, "ecp5": 10_000}, 21
 
 
 @pytest.mark.slow
 @pytest.mark.gatesim
-@pytest.mark.parametrize("lanes", [1, 4, 20])
-def test_core_equals_model_on_many_poses(lanes):
-    rng = np.random.default_rng(SEED)
-    counts = draw_counts(N_POSES, rng)
+@pytest.mark.parametrize(("kind", "lanes"), [("ghdl", 1), ("ghdl", 4), ("ghdl", 20), ("ecp5", 1), ("ecp5", 4)])
+def test_core_equals_model_on_many_poses(kind, lanes):
+    rng, n_poses = np.random.default_rng(SEED), N_POSES[kind]
+    counts = draw_counts(n_poses, rng)
     # Half of the poses wait up to three intervals before they are offered.
-    waits = np.where(rng.random(N_POSES) < 0.5, rng.integers(0, 3 * fixed_network().n_hidden // lanes, N_POSES), 0)
-    results, accepted, clocks_per_s = stream(lanes, np.c_[counts, waits])
-    assert len(results) == len(accepted) == N_POSES
+    waits = np.where(rng.random(n_poses) < 0.5, rng.integers(0, 3 * fixed_network().n_hidden // lanes, n_poses), 0)
+    verilog = [ghdl_verilog(lanes)] if kind == "ghdl" else netlist(lanes, kind)
+    results, accepted, clocks_per_s = stream(verilog, f"{kind}-{lanes}", np.c_[counts, waits])
+    assert len(results) == len(accepted) == n_poses
     assert_equal_to_model(results, counts)
     (latency,) = set((results[:, 5].astype(int) - accepted).tolist())
-    measured = {"lanes": lanes, "poses": N_POSES, "latency": latency, "simulated_clocks_per_s": round(clocks_per_s)}
-    (BUILD / f"verilated-{lanes}.json").write_text(json.dumps(measured))
-    print(measured)
+    print(f"\n{kind}, {lanes} lanes: {n_poses} poses equal, latency {latency} clocks, {clocks_per_s:.0f} clocks/s")
 
 
-def stream(lanes: int, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+def stream(verilog: list[Path], name: str, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Results (k, 6) and clocks of acceptance (k,), as tb/gates/core_bench.cpp writes them, and clocks per second."""
-    program = verilate(ghdl_verilog(lanes), "gc_core", ROOT / "tb" / "gates" / "core_bench.cpp", f"core-{lanes}")
+    program = verilate(verilog, "gc_core", ROOT / "tb" / "gates" / "core_bench.cpp", name)
     files = [program.parent / name for name in ("poses.bin", "results.bin", "accepted.bin")]
     files[0].write_bytes(poses.astype("<i4").tobytes())
     began = time.perf_counter()

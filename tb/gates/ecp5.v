@@ -3,8 +3,6 @@
 // Functional models of the ECP5 primitives in the netlists of the core: Yosys' own do not parse in Icarus, and it has
 // none of MULT18X18D. Only what those netlists use; a parameter with another value stops the simulation.
 
-`timescale 1ns / 1ps
-
 module LUT4 (input A, B, C, D, output Z);
 
   parameter [15:0] INIT = 16'h0000;
@@ -60,13 +58,13 @@ module TRELLIS_FF (input CLK, LSR, CE, DI, output reg Q);
 
   initial begin
     Q = set_value_c;
-    if (CLKMUX != "CLK" || LSRMUX != "LSR" || SRMODE != "LSR_OVER_CE" || (CEMUX != "1" && CEMUX != "CE"))
+    if (CLKMUX != "CLK" || LSRMUX != "LSR" || SRMODE != "LSR_OVER_CE" || (CEMUX != "1" && CEMUX != "CE" && CEMUX != "INV"))
       $fatal(1, "TRELLIS_FF: these parameters have no model");
   end
 
   always @(posedge CLK)
     if (LSR) Q <= set_value_c;
-    else if (CEMUX == "1" || CE) Q <= DI;
+    else if (CEMUX == "1" || CE == (CEMUX == "CE")) Q <= DI;
 
 endmodule
 
