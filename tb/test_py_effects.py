@@ -30,7 +30,7 @@ CONTRACT = {
     "stribeck_friction": ({"fc": "[f]", "fs": "[f]", "vs": "[q]/s"}, "compensator"),
     "passive_joint_friction": ({"fc_prismatic": "N", "fc_rotary": "Nm"}, "none"),
     "load_dependent_friction": ({"mu": "1"}, "compensator"),
-    "backlash": ({"gap": "[q]"}, "none"),
+    "backlash": ({"gap": "[q]", "travel": "[q]"}, "none"),
     "cogging": ({"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}, "compensator"),
     "payload": ({"moment": "kg m", "torque": "[f]"}, "network"),
     "base_tilt": ({"tilt": "rad"}, "network"),
@@ -138,6 +138,14 @@ def dahl(data, params):
     return at(params, "fc") * way * (1.0 - 2.0 * has_reversed * np.exp(-since / np.maximum(at(params, "s"), 1e-9)))
 
 
+def crossing(data, params):
+    """Side of the gap, -1..1: after each reversal, at -+60 mm, it changes in proportion to the way, over the travel."""
+    way = np.sign(data.v)
+    has_reversed = np.maximum.accumulate(way != way[0], axis=0)
+    since = np.abs(data.q + way * MOTION_M)
+    return np.where(has_reversed, way * np.minimum(2.0 * since / at(params, "travel") - 1.0, 1.0), way)
+
+
 def shifted(data, shift):
     return statics(data.q + shift) - statics(data.q)
 
@@ -175,6 +183,9 @@ CASES = {
                  lambda d, p: at(p, "mu") * np.abs(statics(d.q)) * np.sign(d.v)),
     "backlash": Case("Backlash", each("gap", 0.004, 0.002, 0.003), ("gap",),
                      lambda d, p: shifted(d, -at(p, "gap") / 2 * np.sign(d.v)), linear=False),
+    "backlash in motion": Case("BacklashInMotion", each("gap", 4e-3, 2e-3, 3e-3) | each("travel", 5e-3, 3e-3, 2e-3),
+                               ("gap",), lambda d, p: shifted(d, -at(p, "gap") / 2 * crossing(d, p)), **MOVING,
+                               linear=False, tolerance=2e-2),
     "cogging": Case("Cogging", {"pitch": 0.012} | waves(1, (1.0, 0.8, 0.6), (0.3, -2.0, 1.5))
                     | waves(2, (0.5, 0.4, 0.7), (2.0, 0.4, -1.0)), ("amplitude",), cogging),
     "payload": Case("Payload", {"moment_x": 0.1, "moment_y": -0.05, "moment_z": 0.08}, ("moment",), payload,

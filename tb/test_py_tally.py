@@ -6,26 +6,31 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from gravcomp.measured.blind import CASES
+from gravcomp.measured import blind_prototype
+from gravcomp.measured.blind import CASES, ONE_EFFECT, draw
+from gravcomp.measured.diagnosis import diagnose
 from gravcomp.measured.tally import (
     AFTER_LIMIT,
     Outcome,
     confusion_png,
     markdown,
-    pooled_ratio,
+    median_and_top,
     run_all,
-    run_case,
+    run_model_case,
+    run_prototype_case,
     summary,
 )
 from measured_samples import holds
 
 RIGHT = Outcome(
-    kind="listed", seed=0, truth="payload", machine="holds", n_samples=120, ratio=2.0, named=("payload",), listed=(),
-    verdict="explained", driver="q1", is_driver_right=False, after_ratio=1.0,
+    source="model", kind="listed", seed=0, truth=("payload",), machine="holds", n_samples=120, ratio=2.0,
+    named=("payload",), listed=(), verdict="explained", driver="q1", is_driver_right=False, after_ratio=1.0,
+    decided_ratio=1.0,
 )  # fmt: skip
-CLEAN = replace(RIGHT, kind="clean", truth="", named=(), verdict="nothing_missing", driver="", ratio=0.0)
-UNLISTED = replace(RIGHT, kind="unlisted", truth="soft_stop", named=(), verdict="unexplained", is_driver_right=True)
-WRONG = replace(RIGHT, named=("cable_spring",), verdict="partly_explained", after_ratio=1.2)
+CLEAN = replace(RIGHT, kind="clean", truth=(), named=(), verdict="nothing_missing", driver="", ratio=0.0)
+UNLISTED = replace(RIGHT, kind="unlisted", truth=("soft_stop",), named=(), verdict="unexplained", is_driver_right=True)
+WRONG = replace(RIGHT, named=("cable_spring",), verdict="partly_explained", after_ratio=1.2, decided_ratio=1.2)
+PAIR = replace(RIGHT, kind="pair", truth=("payload", "cogging"), named=("payload", "cogging"))
 
 
 @pytest.mark.parametrize(
@@ -40,6 +45,9 @@ WRONG = replace(RIGHT, named=("cable_spring",), verdict="partly_explained", afte
         (CLEAN, True),
         (replace(CLEAN, verdict="unexplained"), True),
         (replace(CLEAN, named=("payload",)), False),
+        (PAIR, True),
+        (replace(PAIR, named=("payload",)), False),
+        (replace(PAIR, named=("payload",), listed=("inertia", "cogging")), True),
         (UNLISTED, True),
         (replace(UNLISTED, is_driver_right=False), False),
     ],
@@ -54,45 +62,57 @@ def test_summary_counts_each_kind_by_itself():
         *[CLEAN] * 3, replace(CLEAN, named=("payload",)),
         *[UNLISTED] * 2, replace(UNLISTED, named=("payload",)), replace(UNLISTED, is_driver_right=False),
         replace(UNLISTED, is_driver_right=False, named=("payload",)),
+        PAIR, replace(PAIR, named=("payload", "inertia")),
     ]  # fmt: skip
     rows = {what: (value, n) for what, value, _, n in summary(outcomes)}
     assert rows == {
         "listed: right effect named or listed": (pytest.approx(100 * 7 / 8), 8),
         "listed: right effect named itself": (pytest.approx(100 * 6 / 8), 8),
+        "listed: a name that is not in the data": (pytest.approx(100 * 2 / 8), 8),
         f"listed: after-error <= {AFTER_LIMIT} x noise": (pytest.approx(100 * 5 / 8), 8),
+        "listed: the same where the direction is known": (pytest.approx(100 * 6 / 8), 8),
         "clean: no effect named": (pytest.approx(75.0), 4),
         "unlisted: right driver first": (pytest.approx(60.0), 5),
         "unlisted: physical name given": (pytest.approx(40.0), 5),
+        "pair: both named or listed": (pytest.approx(50.0), 2),
+        "pair: one at least named": (pytest.approx(100.0), 2),
+        "pair: a name that is not in the data": (pytest.approx(50.0), 2),
     }
 
 
 def test_after_error_at_the_limit_is_within_it():
     rows = summary([replace(RIGHT, after_ratio=AFTER_LIMIT), CLEAN, UNLISTED])
-    assert rows[2][1] == 100.0
+    assert dict((what, value) for what, value, _, _ in rows)[f"listed: after-error <= {AFTER_LIMIT} x noise"] == 100.0
 
 
 def test_targets_are_those_of_the_contract():
-    targets = [target for _, _, target, _ in summary([RIGHT, CLEAN, UNLISTED])]
-    assert targets == [">= 95", "-", "-", ">= 97", ">= 90", "<= 5"]
+    targets = {what: target for what, _, target, _ in summary([RIGHT, CLEAN, UNLISTED, PAIR]) if target != "-"}
+    assert targets == {
+        "listed: right effect named or listed": ">= 95",
+        "clean: no effect named": ">= 97",
+        "unlisted: right driver first": ">= 90",
+        "unlisted: physical name given": "<= 5",
+    }
     assert AFTER_LIMIT == 1.05
 
 
 def test_ratio_is_pooled_over_its_own_kind():
-    outcomes = [replace(RIGHT, after_ratio=1 + k / 100) for k in range(21)] + [replace(CLEAN, after_ratio=9.0)]
-    assert pooled_ratio(outcomes, "listed") == (pytest.approx(1.10), pytest.approx(1.19))
+    outcomes = [replace(RIGHT, decided_ratio=1 + k / 100) for k in range(21)] + [replace(CLEAN, decided_ratio=9.0)]
+    assert median_and_top(outcomes, "listed") == (pytest.approx(1.10), pytest.approx(1.19))
 
 
 def test_page_lists_every_miss_and_no_hit():
-    named = replace(UNLISTED, seed=7, named=("payload",))
+    named = replace(UNLISTED, source="prototype", seed=7, named=("payload",))
     outcomes = [RIGHT, replace(WRONG, seed=41), CLEAN, replace(CLEAN, seed=5, named=("payload",)), UNLISTED, named]
     page = markdown(outcomes, 200, "make blind")
     misses = page.split("## Misses")[1].strip().splitlines()[2:]
     assert [line.split("|")[1:3] for line in misses] == [
-        [" listed ", " 41 "], [" clean ", " 5 "], [" unlisted ", " 7 "]
+        [" model ", " listed "], [" model ", " clean "], [" prototype ", " unlisted "]
     ]  # fmt: skip
     assert "| payload | cable_spring | partly_explained | q1 | 1.20 |" in misses[0]
     assert "| listed: right effect named or listed | 50.0 | >= 95 | 2 |" in page
-    assert "2 seeds of each kind from 200 on" in page
+    assert "seeds from 200 on" in page
+    assert page.index("## Data of the model") < page.index("## Data of the prototype")
 
 
 def test_picture_counts_a_truth_among_several_names_as_itself():
@@ -103,9 +123,11 @@ def test_picture_counts_a_truth_among_several_names_as_itself():
     assert confusion_png([replace(RIGHT, named=("current_offset",)), *outcomes[1:]]) != first
 
 
-def test_every_kind_is_run_with_every_seed(monkeypatch):
-    monkeypatch.setattr("gravcomp.measured.tally.run_case", lambda kind, seed: (kind, seed))
-    assert run_all(2, 30, 1) == [(kind, seed) for kind in CASES for seed in (30, 31)]
+def test_every_kind_is_run_with_every_seed(monkeypatch, tmp_path):
+    monkeypatch.setattr("gravcomp.measured.tally.run_model_case", lambda kind, seed: (kind, seed))
+    monkeypatch.setattr("gravcomp.measured.tally.run_prototype_case", lambda folder, kind, seed: (folder, kind, seed))
+    ran = run_all(2, 1, 30, tmp_path, 1)
+    assert ran == [(kind, seed) for kind in CASES for seed in (30, 31)] + [(tmp_path, kind, 30) for kind in CASES]
 
 
 def test_run_compares_what_was_named_with_the_sealed_answer(monkeypatch):
@@ -113,9 +135,42 @@ def test_run_compares_what_was_named_with_the_sealed_answer(monkeypatch):
     noise = 0.1 * rng.standard_normal((200, 3))
     data = holds(200, 3)
     data = replace(data, force=data.nominal + 0.5 * np.sign(data.v) + noise)
-    case = SimpleNamespace(data=data, truth="coulomb_friction", axes=(0, 1, 2), noise=noise, machine="holds", ratio=5.0)
+    case = SimpleNamespace(
+        data=data, truth=("coulomb_friction",), axes=(0, 1, 2), noise=noise, machine="holds", ratio=5.0
+    )
     monkeypatch.setattr("gravcomp.measured.blind.draw", lambda kind, seed: case)
-    outcome = run_case("listed", 9)
+    outcome = run_model_case("listed", 9)
     assert (outcome.kind, outcome.seed, outcome.n_samples) == ("listed", 9, 200)
-    assert (outcome.truth, outcome.named, outcome.is_right) == ("coulomb_friction", ("coulomb_friction",), True)
+    assert (outcome.truth, outcome.named, outcome.is_right) == (("coulomb_friction",), ("coulomb_friction",), True)
     assert outcome.after_ratio == pytest.approx(1.0, abs=0.05)
+    assert outcome.decided_ratio == outcome.after_ratio
+
+
+def test_prototype_is_measured_once_and_its_seal_opened_after_the_diagnosis(monkeypatch, tmp_path):
+    monkeypatch.setitem(blind_prototype.POINTS, "static", 60)
+    monkeypatch.setattr("gravcomp.measured.blind_prototype.MODES", ("static",))
+    opened, diagnosed = blind_prototype.open_seal, []
+
+    def open_after(path):
+        assert diagnosed, "the seal is opened after the diagnosis"
+        return opened(path)
+
+    monkeypatch.setattr("gravcomp.measured.blind_prototype.open_seal", open_after)
+    monkeypatch.setattr("gravcomp.measured.tally.diagnose", lambda *a: diagnosed.append(a) or diagnose(*a))
+    outcome = run_prototype_case(tmp_path, "clean", 3)
+    log = (tmp_path / "clean_3.csv").read_bytes()
+    assert (outcome.source, outcome.truth, outcome.machine, outcome.n_samples) == ("prototype", (), "static", 60)
+    assert outcome.is_right
+    assert outcome.after_ratio == pytest.approx(1.0, abs=0.1)
+    assert "effect" not in log.decode()
+    (tmp_path / "clean_3.csv").write_bytes(log)
+    before = (tmp_path / "clean_3.csv").stat().st_mtime_ns
+    assert run_prototype_case(tmp_path, "clean", 3) == outcome
+    assert (tmp_path / "clean_3.csv").stat().st_mtime_ns == before
+
+
+def test_pairs_are_two_effects_that_do_not_make_one(tmp_path):
+    for seed in range(12):
+        truth = draw("pair", seed).truth
+        assert len(set(truth)) == 2
+        assert not any(same.issuperset(truth) for same in ONE_EFFECT)

@@ -1,7 +1,8 @@
 """Blind data of our own: the analytic model, an effect drawn by seed, noise; the diagnosis sees the CSV's content only.
 
-Cases: "listed" (one effect of the vocabulary), "clean" (none), "unlisted" (one effect on no list). Machines: the
-built-in robot, held or in slow motion; an arm of one rotary axis and a linear axis of one, with fm columns.
+Cases: "listed" (one effect of the vocabulary), "clean" (none), "unlisted" (one effect on no list), "pair" (two of the
+vocabulary). Machines: the built-in robot, held or in slow motion; an arm of one rotary axis and a linear axis of one,
+with fm columns.
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,12 @@ from gravcomp.robot.parameters import RobotParameters, load_parameters
 from gravcomp.robot.statics import holding_forces_at
 from gravcomp.robot.workspace import pose, sample_workspace
 
-CASES = ("listed", "clean", "unlisted")
+CASES = ("listed", "clean", "unlisted", "pair")
+# Two of these together are one of them with other parameters.
+ONE_EFFECT = (
+    {"coulomb_friction", "stribeck_friction", "presliding_hysteresis"},
+    {"cable_spring", "current_offset"},
+)
 UNLISTED = {
     "soft_stop": "q", "friction_bump": "q dir", "cross_coupling": "cross", "periodic_in_time": "t", "saturation": "f",
     "air_drag": "v", "step_change": "t", "speed_coupling": "cross", "cubic_spring": "q",
@@ -25,11 +31,11 @@ UNLISTED = {
 
 @dataclass(frozen=True)
 class Case:
-    """One blind data set with its answer: truth is an effect's name, "" or a key of UNLISTED."""
+    """One blind data set with its answer: truth: names of effects or a key of UNLISTED."""
 
     data: Measurement
     kind: str
-    truth: str
+    truth: tuple[str, ...]
     axes: tuple[int, ...]
     noise: np.ndarray
     machine: str
@@ -44,15 +50,20 @@ def draw(kind: str, seed: int) -> Case:
         data = _machine(machine, rng)
         noise = _noise(data, rng)
         if kind == "clean":
-            return _case(data, kind, "", np.zeros(data.shape), noise, machine, 0.0, range(data.n_axes))
-        ratio = float(rng.uniform(1.0, 5.0))
-        names = _drawable(data) if kind == "listed" else _unlisted_for(data)
-        truth = str(rng.choice(names))
-        force, axes = _listed(truth, data, rng) if kind == "listed" else _unlisted(truth, data, rng)
-        rms = np.sqrt(np.mean(force**2))
-        if rms > 0:
-            target = ratio * np.sqrt(np.mean(noise**2))
-            return _case(data, kind, truth, force * target / rms, noise, machine, ratio, axes)
+            return _case(data, kind, (), np.zeros(data.shape), noise, machine, 0.0, range(data.n_axes))
+        names = _unlisted_for(data) if kind == "unlisted" else _drawable(data)
+        truth = tuple(str(name) for name in rng.choice(names, 2 if kind == "pair" else 1))
+        if kind == "pair" and (truth[0] == truth[1] or any(same.issuperset(truth) for same in ONE_EFFECT)):
+            continue
+        force, axes, ratio = np.zeros(data.shape), (), 0.0
+        for name in truth:
+            own, axes = _unlisted(name, data, rng) if kind == "unlisted" else _listed(name, data, rng)
+            size, rms = float(rng.uniform(1.0, 5.0)), np.sqrt(np.mean(own**2))
+            if rms == 0:
+                break
+            force, ratio = force + own * size * np.sqrt(np.mean(noise**2)) / rms, max(ratio, size)
+        else:
+            return _case(data, kind, truth, force, noise, machine, ratio, axes)
     raise RuntimeError("no effect shows on any machine drawn")
 
 
@@ -206,5 +217,5 @@ def is_driver(case: Case, drivers: list[dict]) -> bool:
         "soft_stop": {f"q{own}"}, "cubic_spring": {f"q{own}"}, "friction_bump": {f"q{own}", f"dir{own}"},
         "cross_coupling": {f"f{other}"}, "speed_coupling": {f"v{other}"}, "saturation": {f"f{own}"},
         "periodic_in_time": {"t"}, "step_change": {"t"}, "air_drag": {f"v{own}"},
-    }[case.truth]  # fmt: skip
+    }[case.truth[0]]  # fmt: skip
     return axis == case.axes[0] + 1 and name in right

@@ -9,6 +9,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from gravcomp.measured import leftover, scan, split
 from gravcomp.measured.effects import EFFECTS
@@ -48,6 +49,7 @@ class Diagnosis:
         return float(np.sqrt(np.mean(self.noise**2)))
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")  # the matrices are small: threads only wait for one another
 def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blocks", progress=None) -> Diagnosis:
     """Diagnose one measurement; model brings the effects that are already known."""
     tick = progress or (lambda what: None)
@@ -74,7 +76,7 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
     sets = [names for names in evidence.alternatives(members) if names[0] in physical]
     result = Diagnosis(
         data, is_test, blocks, before, after, fit, "", sets + _identities(fit), [], {},
-        np.sqrt(_noise_variance(after, train, fit)), untestable, left,
+        np.sqrt(_noise_variance(data, after, train, fit)), untestable, left,
     )  # fmt: skip
     result.shares = _shares(result)
     result.verdict = _verdict(result)
@@ -109,10 +111,10 @@ def _correction_term(data, rows, correction: Correction) -> tuple[Term, list]:
 
 
 def _search(data, before, rows, pool, tick):
-    residual = before[rows]
-    weight = np.ones_like(residual)
+    residual, sure = before[rows], (~data.is_undecided[rows]).astype(float)
+    weight = sure
     variance = np.maximum(residual.var(axis=0), 1e-300)
-    independent = np.full(data.n_axes, float(len(rows)))
+    independent = sure.sum(axis=0)
     unexplained = unrippled = residual
     for turn in range(_ROUNDS):
         tick(f"search {turn + 1}")
@@ -127,10 +129,10 @@ def _search(data, before, rows, pool, tick):
         unrippled = unexplained + sum(ripple, np.zeros_like(residual))
         spread = 1.4826 * np.median(np.abs(unexplained - np.median(unexplained, axis=0)), axis=0)
         spread = np.maximum(spread, 1e-9 * np.abs(data.force).max())
-        weight = np.minimum(1.0, _HUBER * spread / np.maximum(np.abs(unexplained), 1e-300))
+        weight = sure * np.minimum(1.0, _HUBER * spread / np.maximum(np.abs(unexplained), 1e-300))
         variance = (weight * unexplained**2).sum(axis=0) / weight.sum(axis=0)
         variance = np.maximum(variance, spread**2 * 1e-6)
-        independent = len(rows) / _correlation_length(unexplained)
+        independent = sure.sum(axis=0) / _correlation_length(unexplained)
     chosen = [evidence.terms[k] for k in sorted(members)]
     return chosen, evidence, members, np.sqrt(variance)
 
@@ -193,9 +195,10 @@ def _identities(fit: Fit) -> list[list[str]]:
     return sets
 
 
-def _noise_variance(after, train, fit: Fit) -> np.ndarray:
-    freedom = max(len(train) - fit.n_parameters / after.shape[1], 1.0)
-    return (after[train] ** 2).sum(axis=0) / freedom
+def _noise_variance(data: Measurement, after, train, fit: Fit) -> np.ndarray:
+    sure = ~data.is_undecided[train]
+    freedom = np.maximum(sure.sum(axis=0) - fit.n_parameters / after.shape[1], 1.0)
+    return (after[train] ** 2 * sure).sum(axis=0) / freedom
 
 
 def _shares(d: Diagnosis) -> dict[str, float]:

@@ -21,7 +21,7 @@ from gravcomp.errors import InputError
 from gravcomp.files import write_all_atomically
 from gravcomp.measured.experiment_effects import Effect
 from gravcomp.measured.experiment_plant import Plant
-from gravcomp.robot.kinematics import inverse_kinematics, jacobian
+from gravcomp.robot.kinematics import inverse_kinematics, jacobian, passive_jacobian
 from gravcomp.robot.parameters import RobotParameters
 from gravcomp.robot.prototype import TIME_STEP_S
 from gravcomp.robot.statics import holding_forces_at
@@ -33,6 +33,7 @@ _WINDOW_STEPS = 20  # the current is averaged over so long
 # An approach turns the platform at this rate, slows down to a creep, and stops; speeds of the motors are d times that.
 _APPROACH_RAD_PER_S, _CREEP_RAD_PER_S = 0.008, 0.002
 _CRUISE_STEPS, _SLOWING_STEPS, _CREEP_STEPS, _REST_STEPS = 20, 100, 80, 60
+_SIDES_TRIED = 40
 _HOLD_PERIOD_S = 2.0  # in the log: the travel takes time, though it isn't simulated
 _SAMPLE_STEPS = 200  # of the motion
 _PHASE_PER_SAMPLE_RAD = 0.005  # of the path's oscillations: 10 mm/s at most, so that inertia stays below 0.02 N
@@ -76,7 +77,8 @@ def measure(
     noise_n: float = DEFAULT_NOISE_N,
     speed: float = 1.0,
 ) -> Log:
-    """Run the experiment; a quarter of the points are holds in mode "both". speed multiplies that of the motion.
+    """Run the experiment; a quarter of the points are holds in mode "both", each approached from a side that moves
+    every joint. speed multiplies that of the motion.
 
     Raises InputError for an unknown mode or a number of points that is too small, PoseError if the path is too wide.
     """
@@ -87,7 +89,7 @@ def measure(
     poses = sample_workspace(n_static, p, int(rng.integers(2**31)))
     plant = Plant(p, effects)
     with _watched(n_points) as progress:
-        samples = hold_poses(plant, poses, random_sides(n_static, rng), progress)
+        samples = hold_poses(plant, poses, clear_sides(poses, p, rng), progress) if n_static else []
         samples += follow_path(plant, n_points - n_static, rng, speed, n_static * _HOLD_PERIOD_S, progress)
     t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))
     current = (effort + noise_n * rng.standard_normal(effort.shape)) / p.thrust_constant_n_per_a
@@ -118,6 +120,18 @@ def _watched(n_samples: int) -> Iterator[tqdm]:
 def random_sides(n: int, rng: np.random.Generator) -> np.ndarray:
     """Sides (n, 3) for ``hold_poses``, all directions equally likely."""
     return rng.standard_normal((n, 3))
+
+
+def clear_sides(poses: np.ndarray, p: RobotParameters, rng: np.random.Generator) -> np.ndarray:
+    """Sides (n, 3), of some random ones each the one that moves the slowest joint fastest: no friction's sign is in
+    doubt. A joint's rate counts relative to that of all its kind.
+    """
+    motors, passive = jacobian(poses, p), passive_jacobian(poses, p)
+    joints = np.concatenate([motors, passive @ motors], axis=-2)
+    sides = rng.standard_normal((_SIDES_TRIED, len(poses), 3))
+    rates = np.abs(np.einsum("nji,sni->snj", joints, sides / np.linalg.norm(sides, axis=-1, keepdims=True)))
+    slowest = (rates / np.sqrt(np.mean(rates**2, axis=(0, 1)))).min(axis=-1)
+    return sides[slowest.argmax(axis=0), np.arange(len(poses))]
 
 
 def hold_poses(plant: Plant, poses: np.ndarray, sides: np.ndarray, progress: tqdm) -> list[Sample]:

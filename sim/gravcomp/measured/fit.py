@@ -57,30 +57,32 @@ def fit_terms(data: Measurement, residual: np.ndarray, rows: np.ndarray, terms: 
     if not terms:
         return Fit([], [])
     y, scale = residual[rows], np.maximum(noise, 1e-300)
-    weight = np.ones_like(y)
-    start = _linear_start(data, y, rows, terms, scale)
+    sure = (~data.is_undecided[rows]).astype(float)
+    weight = sure
+    start = _linear_start(data, y, rows, terms, sure / scale)
     for _ in range(_TURNS):
         values, jacobian, left = _solve(data, y, rows, terms, start, np.sqrt(weight) / scale)
         spread = 1.4826 * np.median(np.abs(left), axis=0) + 1e-300
-        weight = np.minimum(1.0, _HUBER * spread / np.maximum(np.abs(left), 1e-300))
+        weight = sure * np.minimum(1.0, _HUBER * spread / np.maximum(np.abs(left), 1e-300))
         start = values
     return _entries(terms, values, jacobian, left / scale * np.sqrt(weight))
 
 
-def _linear_start(data, y, rows, terms, scale) -> list[dict[str, float]]:
+def _linear_start(data, y, rows, terms, weight) -> list[dict[str, float]]:
     """Coefficients of the linearised terms, turned into parameters."""
     blocks = []
     for term in terms:
         if term.is_physical:
             columns = term.source.columns(data, term.shape)
-            blocks.append(np.stack([(columns[label][rows] / scale).ravel() for label in term.labels], axis=-1))
+            blocks.append(np.stack([(columns[label][rows] * weight).ravel() for label in term.labels], axis=-1))
         else:
             full = np.zeros((*y.shape, len(term.labels)))
-            full[:, term.source.axis] = term.source.columns(data)[rows] / scale[term.source.axis]
+            axis = term.source.axis
+            full[:, axis] = term.source.columns(data)[rows] * weight[:, [axis]]
             blocks.append(full.reshape(-1, len(term.labels)))
     x = np.hstack(blocks)
     norm = np.linalg.norm(x, axis=0) + 1e-300
-    theta = np.linalg.lstsq(x / norm, (y / scale).ravel(), rcond=1e-9)[0] / norm
+    theta = np.linalg.lstsq(x / norm, (y * weight).ravel(), rcond=1e-9)[0] / norm
     out, at = [], 0
     for term in terms:
         own = dict(zip(term.labels, theta[at : at + len(term.labels)].tolist(), strict=True))
@@ -139,7 +141,11 @@ def _solve(data, y, rows, terms, start, weight):
         else:
             values.append(dict(zip(term.labels, theta[at : at + len(term.labels)].tolist(), strict=True)))
             at += len(term.labels)
-    left = ((left * weight).ravel() - basis @ theta).reshape(y.shape) / weight if at else left
+    if at:
+        fitted = np.zeros_like(y)
+        for k in linear:
+            fitted[:, terms[k].source.axis] += terms[k].source.columns(data)[rows] @ np.array(list(values[k].values()))
+        left = left - fitted
     return values, (names, x, jacobian), left
 
 

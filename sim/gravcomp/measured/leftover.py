@@ -20,6 +20,7 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     Random trees over all variables, cross-validated by blocks; it counts when it predicts more than 5 % of the
     variance in every second fold at least and its mean gain is four standard errors above zero.
     """
+    rows = rows[~data.is_undecided[rows].any(axis=1)]
     if len(rows) < _MIN_SAMPLES:
         return []
     rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), _MAX_SAMPLES)).astype(int)]

@@ -8,6 +8,9 @@ from scipy.signal import savgol_filter
 
 # A speed this far below the usual one has no sure direction.
 _DEAD_BAND_CAP = 0.02
+_STANDS_STILL = 0.3
+# Values of v on a grid: at least so many, not more than this part of the samples, none farther off than this.
+_FEWEST_ON_GRID, _GRID_SHARE, _OFF_GRID = 4, 0.7, 0.05
 _MOTION_TOLERANCE = 0.5  # of the step that v announces: rows that keep to it are motion, others are separate holds
 
 
@@ -51,16 +54,31 @@ class Measurement:
         return np.where(np.abs(self.v) > self.dead_band, np.sign(self.v), 0.0)
 
     @cached_property
+    def is_undecided(self) -> np.ndarray:
+        """Entries (n, k) whose direction v doesn't tell: at a reversal friction may hold any force up to its level.
+
+        None on an axis that stands still for long: there the model's sign(0) = 0 stands.
+        """
+        if self.v is None:
+            return np.zeros(self.shape, bool)
+        undecided = self.direction == 0.0
+        return undecided & (undecided.mean(axis=0) < _STANDS_STILL)
+
+    @cached_property
     def dead_band(self) -> np.ndarray:
-        """Speed below which the direction is not sure, (n, k): three times the noise of v in motion, at most 2 % of its
-        range; zero for holds, whose approach has a direction.
+        """Speed below which the direction is not sure, (n, k): one and a half steps of the grid that v was read on; in
+        motion also three times the noise of v, at most 2 % of its range.
         """
         moving = self.is_motion
+        band = np.zeros(self.shape)
+        for rows in (moving, ~moving):
+            band[rows] = [1.5 * _grid_step(v) for v in self.v[rows].T]
         if np.count_nonzero(moving) < 8:
-            return np.zeros(self.shape)
+            return band
         v = self.v[moving]
         noise = np.median(np.abs(np.diff(v, 4, axis=0)), axis=0) / 0.6745 / np.sqrt(70.0)
-        return np.minimum(3.0 * noise, _DEAD_BAND_CAP * np.quantile(np.abs(v), 0.95, axis=0)) * moving[:, None]
+        cap = _DEAD_BAND_CAP * np.quantile(np.abs(v), 0.95, axis=0)
+        return np.maximum(band, np.minimum(3.0 * noise, cap) * moving[:, None])
 
     @cached_property
     def is_motion(self) -> np.ndarray:
@@ -105,6 +123,15 @@ class Measurement:
             for unit in np.eye(self.n_axes)
         ]
         return np.stack(columns, axis=-1)
+
+
+def _grid_step(v: np.ndarray) -> float:
+    """Step of the grid that the values (n,) lie on, as encoder counts over a fixed time do; 0 if they lie on none."""
+    values = np.unique(np.abs(v))
+    if not _FEWEST_ON_GRID <= len(values) <= _GRID_SHARE * len(v):
+        return 0.0
+    step = np.diff(values).min()
+    return float(step) if np.all(np.abs(values / step - np.round(values / step)) < _OFF_GRID) else 0.0
 
 
 def velocity_from_position(t_s: np.ndarray, q: np.ndarray) -> np.ndarray:

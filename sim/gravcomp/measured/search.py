@@ -25,6 +25,9 @@ _TRIFLE = 0.005
 _BESIDE_CORRECTION = 0.1
 _MISSED = 0.005  # of the variance that can be explained
 _IMPOSSIBLE = 1e12
+_SINGULAR = 1e-9
+_VAGUE = 4  # names
+_PROMISING = 20  # candidates of a move that are scored exactly
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +87,8 @@ class Evidence:
             scale[index] += np.einsum("nk,nk->k", xw, x) / variance[i]
         self.scale = np.zeros(n_columns)
         np.divide(1.0, np.sqrt(scale), out=self.scale, where=scale > 0.0)
+        self.normed_gram = np.einsum("iab,i->ab", self.gram, 1.0 / variance) * self.scale[:, None] * self.scale
+        self.normed_cross = np.einsum("ia,i->a", self.cross, 1.0 / variance) * self.scale
         self.floor = 1e-12 * np.maximum(self.energy, 1e-300) / independent
         self.is_physics_whole = False
         self._cache: dict[frozenset, float] = {}
@@ -92,12 +97,8 @@ class Evidence:
         """Column indices, coefficients, their covariance and the rank of a set."""
         index = np.concatenate([self.place[k] for k in sorted(members)])
         s = self.scale[index]
-        gram = np.einsum("iab,i->ab", self.gram[:, index[:, None], index], 1.0 / self.variance) * s[:, None] * s
-        cross = np.einsum("ia,i->a", self.cross[:, index], 1.0 / self.variance) * s
-        values, vectors = np.linalg.eigh(gram)
-        keep = values > 1e-9 * values[-1]
-        inverse = (vectors[:, keep] / values[keep]) @ vectors[:, keep].T
-        return index, inverse @ cross * s, inverse * s[:, None] * s, int(keep.sum())
+        inverse, rank = _pseudo_inverse(self.normed_gram[np.ix_(index, index)])
+        return index, inverse @ self.normed_cross[index] * s, inverse * s[:, None] * s, rank
 
     def score(self, members) -> float:
         key = frozenset(members)
@@ -161,8 +162,14 @@ class Evidence:
             return self._climb(effects, everything, locked=effects)
         if any(not self.terms[k].is_physical for k in free):
             free = self._substantial(free, _BESIDE_CORRECTION)
+            free = self._unambiguous(free)
             free = self._climb(free, [k for k in everything if not self.terms[k].is_physical], locked=free)
         return free
+
+    def _unambiguous(self, members: frozenset) -> frozenset:
+        """Beside corrections, a name that many others could take as well says nothing: drop it."""
+        vague = {names[0] for names in self.alternatives(members) if len(names) > _VAGUE}
+        return frozenset(k for k in members if not (self.terms[k].is_physical and self.terms[k].name in vague))
 
     def _simplest(self, members: frozenset) -> frozenset:
         """Use the special case of an effect (Coulomb for Stribeck) where the general one gains next to nothing."""
@@ -226,8 +233,8 @@ class Evidence:
         while True:
             moves = [members - {k} for k in members - locked]
             if len(members) < _MAX_TERMS:
-                moves += [members | {k} for k in allowed if self._fits(members, k)
-                          and not (locked and self.terms[k].is_physical)]  # fmt: skip
+                new = [k for k in allowed if self._fits(members, k) and not (locked and self.terms[k].is_physical)]
+                moves += [members | {k} for k in self._promising(members, new)]
             best = min(moves, key=self.score, default=members)
             if self.score(best) >= self.score(members):
                 return members
@@ -238,11 +245,29 @@ class Evidence:
             moves = []
             for j in members:
                 rest = members - {j}
-                moves += [rest | {k} for k in allowed if k != j and self._fits(rest, k)]
+                moves += [rest | {k} for k in self._promising(rest, allowed) if k != j and self._fits(rest, k)]
             best = min(moves, key=self.score, default=members)
             if self.score(best) >= self.score(members):
                 return members
             members = self._climb(best, allowed)
+
+    def _promising(self, members: frozenset, candidates) -> list[int]:
+        """The candidates that would lower the residual most for their cost, by the Schur complement of the Gram matrix:
+        one inverse for all of them, where an exact score would need one each.
+        """
+        inside = np.concatenate([self.place[k] for k in sorted(members)]).astype(int) if members else np.zeros(0, int)
+        inverse, _ = _pseudo_inverse(self.normed_gram[np.ix_(inside, inside)])
+        away = inverse @ self.normed_gram[inside]
+        left = self.normed_cross - away.T @ self.normed_cross[inside]
+        unit = self._left(members) / max(float(self.m @ self.variance), 1e-300)
+
+        def gain(k):
+            own = self.place[k]
+            schur = self.normed_gram[np.ix_(own, own)] - self.normed_gram[np.ix_(own, inside)] @ away[:, own]
+            inverse, rank = _pseudo_inverse(schur)
+            return left[own] @ inverse @ left[own] / unit - rank * np.log(self.m.sum()) - self.terms[k].price
+
+        return sorted(candidates, key=gain, reverse=True)[:_PROMISING]
 
     def prune(self, members: frozenset) -> frozenset:
         """Drop the axes (harmonics) of an effect that the data does not support; the effect keeps one at least."""
@@ -284,6 +309,15 @@ class Evidence:
             if others:
                 found.setdefault(name, [name]).extend(o for o in others if o not in found[name])
         return list(found.values())
+
+
+def _pseudo_inverse(gram: np.ndarray) -> tuple[np.ndarray, int]:
+    """Inverse within the span of the well-determined directions, and their number."""
+    if not gram.size:
+        return gram, 0
+    values, vectors = np.linalg.eigh(gram)
+    keep = values > _SINGULAR * max(values[-1], 1.0)
+    return (vectors[:, keep] / values[keep]) @ vectors[:, keep].T, int(keep.sum())
 
 
 def _is_simple(term: Term) -> bool:

@@ -1,6 +1,6 @@
 """The vocabulary: every effect that a diagnosis can name. One file per effect, one line here."""
 
-from gravcomp.measured.effects.backlash import Backlash
+from gravcomp.measured.effects.backlash import Backlash, BacklashInMotion
 from gravcomp.measured.effects.base import Effect
 from gravcomp.measured.effects.base_tilt import BaseTilt
 from gravcomp.measured.effects.cable_spring import CableSpring
@@ -28,6 +28,7 @@ EFFECTS = (
     PassiveJointFriction,
     LoadDependentFriction,
     Backlash,
+    BacklashInMotion,
     Cogging,
     Payload,
     BaseTilt,

@@ -23,7 +23,10 @@ class PassiveJointFriction(Effect):
 
     def columns(self, data, shape):
         jacobian = passive_jacobian(direct_kinematics(data.q, data.robot), data.robot)
-        moving = np.sign(np.einsum("npk,nk->np", jacobian, data.v))
+        speed = np.einsum("npk,nk->np", jacobian, data.v)
+        # where v is read on a grid, a slow joint's sign is not sure: its mean over what v may be
+        unsure = np.einsum("npk,nk->np", np.abs(jacobian), data.dead_band)
+        moving = np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)
         force = jacobian * moving[..., None]
         return {"fc_prismatic_n": force[:, :3].sum(axis=1), "fc_rotary_nm": force[:, 3:].sum(axis=1)}
 
