@@ -7,7 +7,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim gatesim gatesim-nightly test test-fast train table1 rom regs budget latency formats docs loop blind table2 lint clean
+.PHONY: help setup sim gatesim gatesim-nightly formal test test-fast train table1 rom regs budget latency formats docs loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -19,6 +19,9 @@ sim: setup ## the main job: robot poses through the encoder pins of the VHDL und
 	@$(RUN)/gravcomp rom --weights $(WEIGHTS) --check
 	@$(PYTEST) -v tb/test_rtl_top.py -k "poses_of_the_workspace or continuous_motion or waveform"
 	@$(RUN)/gravcomp sim-report --weights $(WEIGHTS)
+
+formal: setup ## what is proven about the hardware, for every input and without a bound; docs/formal.md says how
+	@$(RUN)/gravcomp formal
 
 test: setup ## all tests
 	@$(PYTEST) -q -n auto
