@@ -35,6 +35,7 @@ CLAIMS = (
     Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 0, "speed_timeout_g": 20}),
     Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 4}),
     *(Claim("valid_pipeline", "gc_core", {"lanes_g": n}, {"INTERVAL": HIDDEN // n}, 0) for n in LANES),
+    Claim("safety", "gc_safety"),
     Claim("top", "gc_top", {"lanes_g": 4}, clocks_behind_core=16),
 )
 

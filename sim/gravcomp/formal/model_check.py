@@ -53,7 +53,7 @@ def model_check(
     out.mkdir(parents=True, exist_ok=True)
     graph = out / "graph.aig"
     names = _write_graph(verilog, checker, dict(parameters or {}), graph)
-    log = _abc(f"read_aiger {graph}; fold; strash; scorr; pdr -a -T {timeout_s}", out / "pdr.log")
+    log = _abc(f"read_aiger {graph}; fold; strash; scorr; scorr -F 20; pdr -a -T {timeout_s}", out / "pdr.log")
     if "Properties:" not in log:
         raise InputError(f"{checker.stem}: ABC gave no verdict; see {out / 'pdr.log'}")
     proven = {int(k) for k in re.findall(r"Proved output +(\d+)", log)}

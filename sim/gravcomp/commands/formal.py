@@ -1,0 +1,40 @@
+"""Prove the claims of tb/formal about the hardware: for every input, every run, without a bound."""
+
+import sys
+import time
+from pathlib import Path
+
+from tqdm import tqdm
+
+from gravcomp.files import write_atomically
+from gravcomp.formal.claims import CLAIMS, verify
+
+HEAD = "| checker | entity | generics | assertions | verdict | s |\n|---|---|---|---|---|---|"
+
+
+def add_arguments(parser):
+    parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of the VHDL and its sources.f")
+    parser.add_argument("--checkers", type=Path, default=Path("tb/formal"), help="folder of the checkers")
+    parser.add_argument("--out", type=Path, default=Path("build/formal"), help="folder of intermediate files")
+    parser.add_argument("--docs", type=Path, help="folder for formal-table.md")
+
+
+def run(arguments):
+    rows, all_hold = [], True
+    for claim in tqdm(CLAIMS, desc="formal", delay=2):
+        began = time.perf_counter()
+        verdict = verify(claim, arguments.rtl, arguments.checkers, arguments.out)
+        seconds = time.perf_counter() - began
+        all_hold = all_hold and verdict.holds
+        generics = ", ".join(f"{name} = {value}" for name, value in claim.generics.items())
+        names = ", ".join(sorted({*verdict.proven, *verdict.broken, *verdict.open}))
+        faults = [f"{name} broken after {clocks} clocks" for name, clocks in verdict.broken.items()]
+        faults += [f"{name} open" for name in verdict.open]
+        told = "; ".join(faults) or "proven"
+        rows.append(f"| {claim.checker} | {claim.entity} | {generics} | {names} | {told} | {seconds:.0f} |")
+    table = "\n".join([HEAD, *rows])
+    print(table)
+    if arguments.docs:
+        write_atomically(arguments.docs / "formal-table.md", table + "\n")
+    if not all_hold:
+        sys.exit(1)
