@@ -10,10 +10,9 @@ from codes import ROOT
 from gravcomp.errors import InputError
 from gravcomp.measured.effects import NAMES, effect_named
 from gravcomp.measured.hardware import compensation_from_effects
-from gravcomp.measured.loop import augmented_set
 from gravcomp.measured.measurement import Measurement
 from gravcomp.measured.model import Model
-from gravcomp.measured.retraining import retrained
+from gravcomp.measured.retraining import augmented_set, retrained
 from gravcomp.network.weights import load_network
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.robot.statics import holding_forces_at

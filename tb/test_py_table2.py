@@ -6,7 +6,7 @@ import pytest
 from gravcomp.cli import main
 from gravcomp.measured.effects.coulomb_friction import CoulombFriction
 from gravcomp.measured.field import APPROACHES, hold_field
-from gravcomp.measured.field_core import FieldCore, build_core, reduce_to_axes
+from gravcomp.measured.field_core import FieldCore, build_core
 from gravcomp.measured.fine_tuning import WAYS, fine_tune, tune_by_validation
 from gravcomp.measured.fit import Entry, Fit
 from gravcomp.measured.search import Term
@@ -26,7 +26,6 @@ from gravcomp.measured.table2 import (
     table2,
 )
 from gravcomp.network.activation import gamma
-from gravcomp.network.compensation_csv import no_compensation
 from gravcomp.network.weights import load_network
 from gravcomp.robot.kinematics import inverse_kinematics
 from gravcomp.robot.parameters import load_parameters
@@ -120,25 +119,16 @@ def test_training_on_noise_stays_near_the_network_it_started_from(way):
     assert rms(tuned.network.forces(q) - NETWORK.forces(q)) < 0.25
 
 
-def test_friction_that_the_compensator_has_is_reduced_to_its_own_constants():
-    rng = np.random.default_rng(6)
-    v, f = rng.normal(0.0, 1e-3, (300, 3)), rng.uniform(20.0, 90.0, (300, 3))
-    true = no_compensation(3)
-    true.fc_pos_n[:], true.fc_neg_n[:], true.b_neg_ns_per_m[:], true.mu[:] = 1.0, 2.0, [300.0, 0.0, 50.0], 0.02
-    true.v_full_mps[:] = 1e-12
-    found = reduce_to_axes(v, f, true.corrections_n(0 * v, v, f))
-    for name in ("fc_pos_n", "fc_neg_n", "b_pos_ns_per_m", "b_neg_ns_per_m", "mu"):
-        np.testing.assert_allclose(getattr(found, name), getattr(true, name), rtol=1e-6, atol=1e-6)
-
-
 def test_core_holds_the_statics_without_effects_and_adds_friction_with_them(outward):
     friction = Entry(Term(CoulombFriction(), ("fc_1",)), {"fc_1": 1.5}, {}, 0.0)
     plain, rubbing = (build_core(Fit(list(e), []), outward, NETWORK, P, 150, 7) for e in ((), (friction,)))
     assert isinstance(plain, FieldCore)
     assert rms(plain.forces(outward) - outward.nominal) < 0.3
     added = rubbing.forces(outward) - plain.forces(outward)
+    is_moving = np.abs(outward.v[:, 0]) > 1.1 * rubbing.constants.v_full_mps[0]  # the slowest have it in part
+    assert is_moving.mean() > 0.8
     # 2 mN: the table's rounding and that of the two ends of its interpolation.
-    np.testing.assert_allclose(added, 1.5 * np.sign(outward.v) * [1, 0, 0], atol=2e-3)
+    np.testing.assert_allclose(added[is_moving], 1.5 * np.sign(outward.v[is_moving]) * [1, 0, 0], atol=2e-3)
 
 
 def test_command_prints_the_table_and_writes_it(table, tmp_path, monkeypatch, capsys):

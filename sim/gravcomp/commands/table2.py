@@ -32,9 +32,9 @@ from quantised encoders. {training} such holds, spread over the workspace, are t
 - *analytic model + effects found in ...*: the diagnosis got the log, as CSV, and no word of what is in it. Slow motion
   is another log of {motion} samples, which is what the paper's conclusion asks for.
 - *core after the loop*: the bit-true model of the FPGA's network and compensator. What was found to act at rest went
-  into the statics, on which the network was trained again; what depends on direction and speed was reduced to the
-  compensator's equation for each axis, by least squares. Friction in a passive joint depends on the speeds of all
-  axes, so part of it is lost in this step.
+  into the statics, on which the network was trained again; friction went into the compensator's constants of each axis.
+  Friction in a passive joint depends on the speeds of all axes: the compensator has its mean on each axis, the rest of
+  it is lost. Play is lost whole.
 - *analytic model + the prototype's own effects*: the true equations with the true numbers. It shows what is left when
   friction is taken as fully developed, though at rest it may be anything up to that.
 

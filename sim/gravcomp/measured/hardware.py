@@ -12,7 +12,11 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.measured.effects import effect_named
 from gravcomp.measured.effects.base import axis_of
+from gravcomp.measured.empirical import Correction
+from gravcomp.measured.fit import Fit
 from gravcomp.measured.measurement import Measurement
+from gravcomp.measured.model import Model
+from gravcomp.measured.retraining import N_POSES, augmented_set, retrained
 from gravcomp.network.compensation_csv import (
     FRICTION,
     MAX_HARMONIC,
@@ -20,6 +24,8 @@ from gravcomp.network.compensation_csv import (
     check_compensation,
     no_compensation,
 )
+from gravcomp.network.weights import Network
+from gravcomp.robot.parameters import RobotParameters
 
 DEFAULT_CLOCK_HZ = 100e6
 # Speeds from which on friction is whole; it is zero below half of that. The lower limit is about ten counts a second.
@@ -34,6 +40,32 @@ class Placement:
     in_compensator: list[str]
     in_network: list[str]
     nowhere: list[str]
+
+
+def into_hardware(
+    fit: Fit, data: Measurement, network: Network, p: RobotParameters, seed: int, n_poses: int = N_POSES
+) -> tuple[Network, Placement, list[str]]:
+    """The network trained again on what was found in data, the compensator's part, and the corrections in the network.
+
+    Empirical corrections that depend on positions alone go into the network too. Raises InputError for effects that
+    the hardware cannot hold.
+    """
+    effects = [(entry.name, entry.parameters) for entry in fit.effects]
+    placement = compensation_from_effects([{"name": name, "params": params} for name, params in effects], data)
+    corrections = [entry for entry in fit.corrections if is_of_position(entry.term.source)]
+    if placement.in_network or corrections:
+        lacking = Model(
+            robot=p,
+            effects=[(name, params) for name, params in effects if name in placement.in_network],
+            corrections=[(entry.term.source, tuple(entry.parameters.values())) for entry in corrections],
+        )
+        network, _ = retrained(network, augmented_set(lacking, p, seed, n_poses), p)
+    return network, placement, [entry.name for entry in corrections]
+
+
+def is_of_position(correction: Correction) -> bool:
+    """Does the correction depend on positions (or model forces, which follow from them) alone?"""
+    return all(name[0] in "qf" for name in correction.variables) and not correction.by_direction
 
 
 def compensation_from_effects(

@@ -5,26 +5,20 @@ rtl_mn.npy; samples.npz, what the RTL is to be run on and what was measured ther
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from gravcomp.errors import InputError
 from gravcomp.measured.diagnosis import Diagnosis
-from gravcomp.measured.empirical import Correction
-from gravcomp.measured.hardware import DEFAULT_CLOCK_HZ, Placement, compensation_from_effects
+from gravcomp.measured.hardware import DEFAULT_CLOCK_HZ, Placement, into_hardware
 from gravcomp.measured.measurement import Measurement
-from gravcomp.measured.model import Model
 from gravcomp.measured.report import errors
-from gravcomp.measured.retraining import N_POSES, retrained
 from gravcomp.network.compensation import period_of
 from gravcomp.network.compensation_csv import Compensation, load_compensation, no_compensation, save_compensation
 from gravcomp.network.rom import write_rom
-from gravcomp.network.training import TrainingSet, workspace_set
 from gravcomp.network.weights import Network, load_network, save_network
 from gravcomp.robot.parameters import RobotParameters
-from gravcomp.robot.statics import holding_forces_at
 
 RUNS = ("before", "after")
 SAMPLES = "samples.npz"
@@ -68,26 +62,12 @@ def close_loop(found: Diagnosis, weights: Path, folder: Path, p: RobotParameters
     the hardware cannot hold.
     """
     network = load_network(weights)
-    effects = [{"name": entry.name, "params": entry.parameters} for entry in found.fit.effects]
-    placement = compensation_from_effects(effects, found.data)
-    corrections = [entry for entry in found.fit.corrections if is_of_position(entry.term.source)]
+    grown, placement, corrections = into_hardware(found.fit, found.data, network, p, seed)
     _write(folder, "before", network, load_compensation(weights, network.n_axes), p, f"from {weights}")
-    if placement.in_network or corrections:
-        lacking = Model(
-            robot=p,
-            effects=[(e["name"], e["params"]) for e in effects if e["name"] in placement.in_network],
-            corrections=[(entry.term.source, tuple(entry.parameters.values())) for entry in corrections],
-        )
-        network, _ = retrained(network, augmented_set(lacking, p, seed), p)
     names = ", ".join(placement.in_compensator) or "nothing"
-    _write(folder, "after", network, placement.compensation, p, f"found in {found.data.name}: {names}")
+    _write(folder, "after", grown, placement.compensation, p, f"found in {found.data.name}: {names}")
     n_samples = save_samples(found, folder, p)
-    return Closed(placement, [entry.term.source.label for entry in corrections], n_samples)
-
-
-def is_of_position(correction: Correction) -> bool:
-    """Does the correction depend on positions (or model forces, which follow from them) alone?"""
-    return all(name[0] in "qf" for name in correction.variables) and not correction.by_direction
+    return Closed(placement, corrections, n_samples)
 
 
 def _write(folder: Path, run: str, network: Network, constants: Compensation, p: RobotParameters, comment: str) -> None:
@@ -95,24 +75,6 @@ def _write(folder: Path, run: str, network: Network, constants: Compensation, p:
     save_compensation(constants, weights_folder(folder, run), comment)
     write_rom(weights_folder(folder, run), p, generated_folder(folder, run))
     answer_file(folder, run).unlink(missing_ok=True)
-
-
-def augmented_set(lacking: Model, p: RobotParameters, seed: int) -> TrainingSet:
-    """Poses of the workspace with the statics and what the model lacked there."""
-    poses = workspace_set(N_POSES, p, seed)
-    data = Measurement(
-        name="workspace",
-        t_s=np.arange(N_POSES, dtype=float),
-        q=poses.q_m,
-        v=None,
-        force=poses.f_n,
-        nominal=poses.f_n,
-        unit="N",
-        position_units=("m",) * poses.q_m.shape[1],
-        force_at=partial(holding_forces_at, p=p),
-        robot=p,
-    )
-    return TrainingSet(poses.q_m, poses.f_n + lacking.predict(data))
 
 
 def save_samples(found: Diagnosis, folder: Path, p: RobotParameters) -> int:

@@ -1,19 +1,41 @@
 """Training a network again on statics that have changed a little, from the weights that it has."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from tqdm import tqdm
 
+from gravcomp.measured.measurement import Measurement
+from gravcomp.measured.model import Model
 from gravcomp.network.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
 from gravcomp.network.scaling import Scaling
-from gravcomp.network.training import RIDGE, TrainingSet, one_blas_thread, snapped
+from gravcomp.network.training import RIDGE, TrainingSet, one_blas_thread, snapped, workspace_set
 from gravcomp.network.weights import Network
 from gravcomp.robot.parameters import RobotParameters
+from gravcomp.robot.statics import holding_forces_at
 
 N_POSES = 2500
 _ROUNDS, _ROUND = 10, Stop(steps=50)
 _MARGIN = 1.02  # of the forces over those of the training poses: the bounds of the workspace lie a little beyond
+
+
+def augmented_set(lacking: Model, p: RobotParameters, seed: int, n_poses: int = N_POSES) -> TrainingSet:
+    """Poses of the workspace with the statics and what the model lacked there."""
+    poses = workspace_set(n_poses, p, seed)
+    data = Measurement(
+        name="workspace",
+        t_s=np.arange(n_poses, dtype=float),
+        q=poses.q_m,
+        v=None,
+        force=poses.f_n,
+        nominal=poses.f_n,
+        unit="N",
+        position_units=("m",) * poses.q_m.shape[1],
+        force_at=partial(holding_forces_at, p=p),
+        robot=p,
+    )
+    return TrainingSet(poses.q_m, poses.f_n + lacking.predict(data))
 
 
 def retrained(network: Network, data: TrainingSet, p: RobotParameters) -> tuple[Network, Fit]:

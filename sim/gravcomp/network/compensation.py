@@ -156,7 +156,7 @@ def compensator(
 
 def period_of(v_mps: np.ndarray, c: Compensation, p: RobotParameters) -> np.ndarray:
     """What gc_speed_meter gives at steady speeds v (..., n), m/s: signed clocks per 4 counts; at rest 2**31 - 1."""
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # at rest, and without friction, where no clock is given
         clocks = 4 * c.clock_hz * p.encoder_m_per_count / np.abs(v_mps)
     known = np.clip(np.floor(np.where(np.isfinite(clocks), clocks, 0.0)), 1, 2**31 - 1).astype(np.int64)
     return np.where(np.isfinite(clocks) & (clocks < 2**31), np.where(np.asarray(v_mps) < 0, -known, known), 2**31 - 1)
