@@ -19,6 +19,7 @@ from compensated import compensated_weights
 from gravcomp.network import bittrue
 from gravcomp.network.compensation import compensator
 from gravcomp.network.quantise import COUNT_BITS, CURRENT_BITS, FORCE_BITS
+from gravcomp.network.rom import write_rom
 from gravcomp.proof.poses import motion, pose_sets
 from gravcomp.robot.parameters import load_parameters
 from runner import BENCHES, BUILD, simulate
@@ -198,6 +199,22 @@ async def end_of_the_trained_range(dut):
     check(unpack([row[0] for row in answers], COUNT_BITS, n), answers)
 
 
+@cocotb.test()
+async def forces_that_do_not_fit(dut):
+    """Friction that takes a force past 24 bits saturates the command and flags it, though the network's force fits."""
+    counts = motion(load_parameters(), 3, 0.18)[::-1]  # upwards: friction adds to the force
+    bench, answers = Bench(dut), []
+    await bench.start()
+    await bench.home_near(counts[0])
+    for pose_counts in counts:
+        await bench.walk_to(pose_counts)
+        answers.append(await bench.infer())
+    check(counts, answers)
+    flags = [int(answer[-1]) for answer in answers]
+    assert any(flags), "no force went past 24 bits"
+    assert not bittrue.core(counts, fixed_network()).saturated.any()
+
+
 def simulate_top(cocotb_test: str, **options) -> None:
     simulate(
         "gc_top_bench",
@@ -232,6 +249,20 @@ def test_top_with_a_compensator_follows_a_short_motion(tmp_path):
         label="compensated",
         generics={"lanes_g": 4},
         environment=environment,
+        generated=folder / "generated",
+    )
+
+
+def test_top_flags_a_force_that_friction_takes_past_its_format(tmp_path):
+    clock = "axis,name,value\nall,clock_hz,1e4\nall,v_dead_mps,2e-4\nall,v_full_mps,4e-4\n"
+    folder = compensated_weights(tmp_path, clock + "1,mu,0.999\n2,mu,0.999\n3,mu,0.999\n")
+    scaling = (folder / "scaling.csv").read_text().replace("58.5,71.5", "5000,2000")  # 3 to 7 kN; 8.4 kN fit
+    (folder / "scaling.csv").write_text(scaling)
+    write_rom(folder, load_parameters(), folder / "generated")
+    simulate_top(
+        "forces_that_do_not_fit",
+        generics={"lanes_g": 4},
+        environment={"WEIGHTS": str(folder)},
         generated=folder / "generated",
     )
 
