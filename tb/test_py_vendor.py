@@ -140,18 +140,35 @@ def test_core_file_lists_the_sources_in_order():
     assert re.search(r"^name: .*:(.*)$", described, re.M).group(1) == version
 
 
+def fusesoc(folder: Path, *arguments: str) -> str:
+    """What `fusesoc run` prints; its build goes to the folder."""
+    program = Path(sys.executable).parent / "fusesoc"
+    command = [program, "--cores-root", ROOT, "run", "--build-root", folder / "build", *arguments]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
 @pytest.mark.parametrize("count", [0, 12345])
 def test_fusesoc_simulates_an_inference(count, tmp_path):
-    fusesoc = Path(sys.executable).parent / "fusesoc"
-    command = [fusesoc, "--cores-root", ROOT, "run", "--target=sim", "--build-root", tmp_path / "build"]
-    done = subprocess.run(
-        [*command, "gravcomp:gravcomp:gravcomp", "--count_g", str(count)],
-        cwd=tmp_path, capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
-    force_mn = [int(value) for value in re.findall(r"force \d+: (-?\d+) mN", done.stdout)]
+    printed = fusesoc(tmp_path, "--target=sim", "gravcomp:gravcomp:gravcomp", "--count_g", str(count))
+    force_mn = [int(value) for value in re.findall(r"force \d+: (-?\d+) mN", printed)]
     fixed = fixed_network()
     np.testing.assert_array_equal(force_mn, core(np.full(fixed.n_axes, count), fixed).force_mn)
+
+
+@pytest.mark.parametrize("tool", ["vivado", "quartus"])
+@pytest.mark.parametrize(("target", "top"), [("default", "gc_top"), ("system", "gc_system")])
+def test_fusesoc_sets_up_a_project(tool, target, top, tmp_path):
+    """The project's script; the vendor's tool is not run."""
+    fusesoc(tmp_path, "--setup", f"--target={target}", f"--tool={tool}", "gravcomp:gravcomp:gravcomp", "--lanes_g", "5")
+    script = "".join(path.read_text() for path in tmp_path.rglob("*.tcl"))
+    names = re.findall(r"(?:read_vhdl|VHDL_FILE).*/rtl/([\w/]+\.vhd)", script)
+    assert names == (RTL / "sources.f").read_text().split()
+    extension = {"vivado": "xdc", "quartus": "sdc"}[tool]
+    assert f"constraints/{top}.{extension}" in script
+    assert re.search(rf"(?:property top|TOP_LEVEL_ENTITY) {top}\b", script)
+    assert re.search(r"lanes_g[= ]5\b", script)
 
 
 @pytest.mark.parametrize(

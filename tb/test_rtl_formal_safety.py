@@ -1,4 +1,4 @@
-"""Brakes and faults: every claim of tb/formal/safety.sv is refuted where the VHDL is broken (test_rtl_formal: proven)."""
+"""Brakes and faults: each claim of tb/formal/safety.sv is refuted where the VHDL is broken."""
 
 import shutil
 
