@@ -7,7 +7,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim gatesim gatesim-nightly formal test test-fast train table1 rom regs budget latency formats docs loop blind table2 lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal test test-fast train table1 rom regs budget latency formats docs loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -72,12 +72,24 @@ blind: setup ## tally of the diagnosis on data sets drawn by seed; docs/blind.md
 table2: setup ## the paper's Table 2 on the virtual prototype; docs/table2.md
 	@$(RUN)/gravcomp table2
 
+synth: latency ## area and clock of the core with 1, 4 and 20 lanes, placed and routed on ECP5; docs/synthesis.md
+	@$(RUN)/gravcomp synth --docs docs
+
+synth-all: latency ## the same with 1, 2, 4, 5, 10 and 20 lanes
+	@$(RUN)/gravcomp synth --lanes 1 2 4 5 10 20 --docs docs
+
 gatesim: setup ## the core as GHDL's Verilog, as generic and as ECP5 netlist passes the tests of the VHDL, under Icarus
 	@$(PYTEST) -q -n auto -m "" tb/test_rtl_gates.py
 
 gatesim-nightly: setup ## 100 000 random poses through GHDL's Verilog, 10 000 through the ECP5 netlist, under Verilator
 	@scripts/setup.sh verilator
 	@$(PYTEST) -s -m gatesim tb/test_rtl_poses.py
+
+peers: setup ## the core beside da4ml and NNgen (same flow; slow) and beside this machine's processor; docs/peers.md
+	@$(RUN)/python -c "import da4ml, nngen" 2>/dev/null || \
+	   $(RUN)/pip install --constraint constraints.txt --editable '.[peers]'
+	@$(RUN)/gravcomp peers --docs docs
+	@$(RUN)/gravcomp jitter --docs docs
 
 lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
 	@$(RUN)/ruff check . && $(RUN)/ruff format --check .

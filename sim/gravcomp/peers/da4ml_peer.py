@@ -35,8 +35,8 @@ def generate(network: Network, x: np.ndarray, folder: Path, *, activation: str, 
 
     The error is that of da4ml's own model of the adder graph, at inputs x (k, n), each rounded to the input's format.
     """
-    graph = _trace(network, activation)
-    outputs = graph.predict(_rounded(x))
+    graph = adder_graph(network, activation)
+    outputs = graph.predict(rounded(x))
     error = np.abs(outputs - float_outputs(network, x, ACTIVATIONS[activation])).max()
     pipeline = to_pipeline(graph, cutoff, verbose=False)
     RTLModel(pipeline, "peer", folder / "da4ml", flavor="verilog", print_latency=False).write()
@@ -62,21 +62,22 @@ def generate(network: Network, x: np.ndarray, folder: Path, *, activation: str, 
     )
 
 
-def _trace(network: Network, activation: str):
+def adder_graph(network: Network, activation: str):
     """The adder graph of the network; h is a (1 - |a|/4) or a, whose a is saturated."""
     half = 2.0 ** -(FRACTION + 1)
     sign, integer, fraction = np.tile([[1], [0], [FRACTION]], network.n_axes)
     x = FixedVariableArray.from_kif(sign, integer, fraction)
-    total = x @ _rounded(network.hidden_weights).T + (_rounded(network.hidden_bias) + half)
+    total = x @ rounded(network.hidden_weights).T + (rounded(network.hidden_bias) + half)
     h = total.quantize(1, _LIMIT_BITS[activation], FRACTION, overflow_mode="SAT")
     bias = network.output_bias
-    output_weights = _rounded(network.output_weights)
+    output_weights = rounded(network.output_weights)
     if activation == "quadratic":
         h = (h * (-(np.abs(h) * 0.25) + 1)).quantize(1, 0, FRACTION)
         bias = bias + half * output_weights.sum(axis=1)
-    y = (h @ output_weights.T + (_rounded(bias) + half)).quantize(1, 1, FRACTION)
+    y = (h @ output_weights.T + (rounded(bias) + half)).quantize(1, 1, FRACTION)
     return comb_trace(x, y)
 
 
-def _rounded(values: np.ndarray) -> np.ndarray:
+def rounded(values: np.ndarray) -> np.ndarray:
+    """Values to the nearest with FRACTION bits after the point."""
     return np.rint(values * 2.0**FRACTION) / 2.0**FRACTION

@@ -31,10 +31,14 @@ class PeerDesign:
     precision: str
 
 
+def workspace_positions(p: RobotParameters, n_poses: int, seed: int) -> np.ndarray:
+    """Joint positions (n_poses, 3), m, at random poses of the workspace."""
+    return inverse_kinematics(sample_workspace(n_poses, p, seed), p)
+
+
 def normalised_inputs(network: Network, p: RobotParameters, n_poses: int, seed: int) -> np.ndarray:
     """Inputs x (n_poses, n) of the network, in (-1, 1), at random poses of the workspace."""
-    q_m = inverse_kinematics(sample_workspace(n_poses, p, seed), p)
-    return (q_m - network.q_offset_m) * network.q_scale_per_m
+    return (workspace_positions(p, n_poses, seed) - network.q_offset_m) * network.q_scale_per_m
 
 
 def float_outputs(network: Network, x: np.ndarray, activation: Callable) -> np.ndarray:

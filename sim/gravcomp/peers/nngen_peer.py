@@ -124,7 +124,8 @@ def _simulated_clocks(network: Network, codes: np.ndarray) -> int:
 def _bench(target, memory: np.ndarray, y, free_address: int):
     """Test bench: start the core over AXI-Lite, wait for it, print clocks and outputs. As in NNgen's examples."""
     bench = vg.Module("bench")
-    parameters, ports = bench.copy_params(target), bench.copy_sim_ports(target)
+    bench.copy_params(target)
+    ports = bench.copy_sim_ports(target)
     clk, reset_n = ports["CLK"], ports["RESETN"]
     rst = bench.Wire("RST")
     rst.assign(vg.Not(reset_n))
