@@ -11,9 +11,10 @@ from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
 ROOT = Path(__file__).resolve().parents[1]
-RTL = ROOT / "rtl"
+# Elsewhere where a mutant of the VHDL is tried.
+RTL = Path(os.environ.get("GRAVCOMP_RTL", ROOT / "rtl"))
 GENERATED = RTL / "generated"
-BUILD = ROOT / "build"
+BUILD = Path(os.environ.get("GRAVCOMP_BUILD", ROOT / "build"))
 BENCHES = ROOT / "tb" / "hdl"
 
 

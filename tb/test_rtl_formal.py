@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from gravcomp.formal.claims import CLAIMS, verify
-from runner import BUILD, ROOT
+from runner import BUILD, ROOT, RTL
 
 CHECKERS = ROOT / "tb" / "formal"
 BY_NAME = {claim.name: claim for claim in CLAIMS}
@@ -64,7 +64,7 @@ def planted(folder: Path, file: str, good: str, bad: str) -> Path:
     "claim", [pytest.param(c, id=c.name, marks=[pytest.mark.slow] * (c.name in SLOW)) for c in CLAIMS]
 )
 def test_claim_is_proven(claim):
-    verdict = verify(claim, ROOT / "rtl", CHECKERS, BUILD / "formal")
+    verdict = verify(claim, RTL, CHECKERS, BUILD / "formal")
     assert verdict.holds, verdict
 
 

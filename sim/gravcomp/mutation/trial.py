@@ -1,0 +1,92 @@
+"""Trial of one mutant: a copy of rtl/ with the fault in it, compiled, then tested until the first failure."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gravcomp.mutation.mutants import Mutant
+
+CAUGHT, TIMEOUT, SURVIVED, INVALID = "caught", "time-out", "survived", "does not compile"
+# Proofs of the unchanged claims; the faults that these files plant themselves have nothing to do with a mutant.
+_PROOFS = ("test_rtl_formal.py", "test_rtl_formal_safety.py")
+# Netlists, figures and long runs of what other files test.
+_LEFT_OUT = (*_PROOFS, "test_rtl_gates.py", "test_rtl_budget.py", "test_rtl_loop.py", "test_rtl_poses.py")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a mutant, and the test that caught it."""
+
+    mutant: Mutant
+    result: str
+    test: str = ""
+
+
+def tests_of(entity: str, rtl: Path, tb: Path) -> list[str]:
+    """Test files in which the entity runs, nearest first: its own, then those of what instantiates it, and so on."""
+    texts = {path.stem: path.read_text() for path in rtl.glob("*.vhd")}
+    test_texts = {p.name: p.read_text() for p in sorted(tb.glob("test_rtl_*.py")) if p.name not in _LEFT_OUT}
+    own = f"test_rtl_{entity.removeprefix('gc_')}.py"
+    order, seen, level = [own] if own in test_texts else [], {entity}, [entity]
+    while level:
+        for name in level:
+            order += [file for file, text in test_texts.items() if re.search(rf'"{name}(_bench)?"', text)]
+        users = {user for user, text in texts.items() for name in level if re.search(rf"\bwork\.{name}\b", text)}
+        level = sorted(users - seen)
+        seen |= users
+    return list(dict.fromkeys(order))
+
+
+def try_mutant(mutant: Mutant, root: Path, tests: list[str], timeout_s: float) -> Outcome:
+    """Plant a mutant in a copy of root's rtl/ and run tests of tb/ on it, then the proofs, until one fails."""
+    with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
+        rtl = Path(folder) / "rtl"
+        shutil.copytree(root / "rtl", rtl)
+        source = rtl / f"{mutant.entity}.vhd"
+        source.write_text(mutant.plant(source.read_text()))
+        if not _compiles(rtl, folder):
+            return Outcome(mutant, INVALID)
+        for files in (tests, _PROOFS):
+            result, test = run_tests(root, rtl, Path(folder) / "build", files, timeout_s)
+            if result != SURVIVED:
+                return Outcome(mutant, result, test)
+    return Outcome(mutant, SURVIVED)
+
+
+def run_tests(root: Path, rtl: Path, build: Path, files: Sequence[str], timeout_s: float) -> tuple[str, str]:
+    """Run the quick tests of files of tb/ on a folder rtl until one fails: what came of it, and the test that failed.
+
+    The tests that plant faults themselves are left out: on a mutant they find other lines than they expect.
+    """
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", "not slow"]
+    command += ["-k", "not planted", *(str(root / "tb" / file) for file in files)]
+    variables = {**os.environ, "GRAVCOMP_RTL": str(rtl), "GRAVCOMP_BUILD": str(build)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    run = subprocess.Popen(command, cwd=root, env=variables, start_new_session=True, **pipes)
+    try:
+        log, _ = run.communicate(timeout=timeout_s)
+    except subprocess.TimeoutExpired:
+        os.killpg(run.pid, signal.SIGKILL)
+        run.communicate()
+        return TIMEOUT, ""
+    if run.returncode in (0, 5):  # 5: nothing selected
+        return SURVIVED, ""
+    failed = re.search(r"^(?:FAILED|ERROR) \S*?(test_\w+\.py\S*)", log, re.MULTILINE)
+    return CAUGHT, failed[1] if failed else log[-300:]
+
+
+def _compiles(rtl: Path, work: str) -> bool:
+    """Whether GHDL analyses the files and elaborates gc_system, which holds every entity."""
+    files = [str(rtl / name) for name in (rtl / "sources.f").read_text().split()]
+    options = ["--std=08", f"--workdir={work}"]
+    for command in (["-a", *options, *files], ["--elab-run", *options, "gc_system", "--stop-time=0ns"]):
+        if subprocess.run(["ghdl", *command], cwd=work, capture_output=True, check=False).returncode:
+            return False
+    return True
