@@ -138,7 +138,7 @@ def test_page_is_renewed_between_its_marks_only(tmp_path):
     page.renew(path, "t", "new\n")
     page.renew(path, "t", "newer")
     assert path.read_text() == "a\n<!-- t -->\n\nnewer\n\n<!-- /t -->\nb\n"
-    with pytest.raises(InputError, match="page.md: its lines <!-- x -->"):
+    with pytest.raises(InputError, match=r"page\.md: its lines <!-- x -->"):
         page.renew(path, "x", "new")
 
 
