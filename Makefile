@@ -16,9 +16,9 @@ setup:
 	@scripts/setup.sh
 
 sim: setup ## the main job: robot poses through the encoder pins of the VHDL under GHDL; table and pictures
-	@$(RUN)/gravcomp rom --weights $(WEIGHTS) --check
+	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)" --check
 	@$(PYTEST) -v tb/test_rtl_top.py -k "poses_of_the_workspace or continuous_motion or waveform"
-	@$(RUN)/gravcomp sim-report --weights $(WEIGHTS)
+	@$(RUN)/gravcomp sim-report --weights "$(WEIGHTS)"
 
 formal: setup ## what is proven about the hardware, for every input and without a bound; docs/formal.md says how
 	@$(RUN)/gravcomp formal
@@ -37,7 +37,7 @@ table1: setup ## the paper's Table 1, trained here, beside the paper's figures
 	@$(RUN)/gravcomp table1
 
 rom: setup ## write rtl/generated from the CSV files in WEIGHTS
-	@$(RUN)/gravcomp rom --weights $(WEIGHTS)
+	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)"
 
 regs: setup ## write registers (VHDL, IP-XACT, C header; HTML into build/registers) from rtl/registers/gc_registers.rdl
 	@scripts/registers.sh
@@ -51,18 +51,19 @@ latency: setup ## initiation interval and latency per number of lanes, measured 
 	@$(RUN)/gravcomp latency
 
 formats: setup ## what every signal of the core can hold over all counts; fixed point against float
-	@$(RUN)/gravcomp formats --weights $(WEIGHTS)
+	@$(RUN)/gravcomp formats --weights "$(WEIGHTS)"
 
 docs: sim latency budget ## docs/results.md and its pictures, from fresh runs
 	@set -e; { echo "# Results"; echo; echo "Written by \`make docs\`."; \
-	   echo; echo "## End to end"; echo; $(RUN)/gravcomp sim-report --weights $(WEIGHTS) --pictures docs/figures; \
+	   echo; echo "## End to end"; echo; $(RUN)/gravcomp sim-report --weights "$(WEIGHTS)" --pictures docs/figures; \
 	   echo; echo "## Interval and latency"; echo; $(RUN)/gravcomp latency; \
 	   echo; echo "## Operations"; echo; $(RUN)/gravcomp budget; \
-	   echo; echo "## Fixed point"; echo; $(RUN)/gravcomp formats --weights $(WEIGHTS); } >build/results.md
+	   echo; echo "## Fixed point"; echo; $(RUN)/gravcomp formats --weights "$(WEIGHTS)"; } >build/results.md
 	@mv build/results.md docs/results.md
 
-loop: setup ## close the loop with measured data: DATA=log.csv; diagnosis, retraining, ROM, RTL, error before and after
-	@$(RUN)/gravcomp loop $(DATA) --weights $(WEIGHTS) --out build/loop
+loop: setup ## close the loop with measured data: DATA=log.csv, MODEL=robot.toml, SAVE=weights/mine; error before and after
+	@$(RUN)/gravcomp loop "$(DATA)" --weights "$(WEIGHTS)" --out build/loop $(if $(MODEL),--model "$(MODEL)") \
+	   $(if $(SAVE),--save "$(SAVE)")
 	@LOOP=build/loop $(PYTEST) -v tb/test_rtl_loop.py -k held_out
 	@$(RUN)/gravcomp loop-report --loop build/loop
 

@@ -78,7 +78,6 @@ def test_loop_runs_its_held_out_samples_in_the_rtl(run):
 
 def found_in(data: Measurement, effects: Model, noise_n: np.ndarray) -> SimpleNamespace:
     """What a diagnosis returns that found exactly these effects."""
-    entries = [SimpleNamespace(name=name, parameters=params) for name, params in effects.effects]
     before = effects.predict(data) + noise_n
     return SimpleNamespace(
         data=replace(data, force=data.nominal + before),
@@ -86,7 +85,6 @@ def found_in(data: Measurement, effects: Model, noise_n: np.ndarray) -> SimpleNa
         before=before,
         after=noise_n,
         noise_floor=float(noise_n.std()),
-        fit=SimpleNamespace(effects=entries, corrections=[]),
     )
 
 
@@ -111,8 +109,9 @@ def test_loop_brings_found_effects_into_the_rtl(tmp_path):
         ("payload", {"moment_x": 0.1, "moment_y": -0.05, "moment_z": 0.08}),
         ("coulomb_friction", {"fc_1": 1.5, "fc_2": 2.0, "fc_3": 1.0}),
     ]
-    found = found_in(data, Model(effects=effects), 0.1 * rng.standard_normal(v.shape))
-    closed = close_loop(found, ROOT / "weights" / "spheiro", tmp_path, p, 0)
+    model = Model(robot=p, effects=effects)
+    found = found_in(data, model, 0.1 * rng.standard_normal(v.shape))
+    closed = close_loop(found, model, ROOT / "weights" / "spheiro", tmp_path, 0)
     assert (closed.placement.in_network, closed.placement.in_compensator) == (["payload"], ["coulomb_friction"])
     for run in RUNS:
         simulate_loop(tmp_path, run)

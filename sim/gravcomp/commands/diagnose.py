@@ -30,6 +30,7 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    """Returns the diagnosis and the model with what was found."""
     model = load_model(arguments.model) if arguments.model else Model()
     data = read_measurement(arguments.data, model.robot)
     with tqdm(total=_STEPS, desc="diagnose", delay=2, leave=False) as bar:
@@ -40,11 +41,7 @@ def run(arguments):
 
         found = diagnose(data, model, arguments.seed, arguments.holdout, tick)
     content = report(found)
-    grown = Model(
-        model.robot, model.nominal_toml,
-        model.effects + [(entry.name, entry.parameters) for entry in found.fit.effects],
-        model.corrections + [(entry.term.source, tuple(entry.parameters.values())) for entry in found.fit.corrections],
-    )  # fmt: skip
+    grown = model.grown(found.fit)
     files = {"report.json": report_json(found), "model.toml": model_toml(grown), "report.html": report_html(found)}
     write_all_atomically({arguments.out / name: text for name, text in files.items()})
     print(f"verdict: {found.verdict}; seed {arguments.seed}")
@@ -55,4 +52,4 @@ def run(arguments):
     for names in content["alternatives"]:
         print(f"  this data cannot tell apart: {', '.join(names)}")
     print(table(content))
-    return found
+    return found, grown

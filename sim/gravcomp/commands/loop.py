@@ -1,31 +1,48 @@
 """Close the loop: diagnose measured data, put what was found into network and compensator, write their ROMs.
 
 Writes report.json, model.toml and report.html as diagnose does, and before/ and after/ for the RTL, which then runs
-on the held-out samples (tb/test_rtl_loop.py); loop-report prints the errors. `make loop` does all three.
+on the held-out samples (tb/test_rtl_loop.py); loop-report prints the errors. `make loop` does all three. after/weights
+is a weights folder as any other, and is copied to the folder of --save.
 """
 
-from argparse import Namespace
+import hashlib
 from pathlib import Path
 
 from gravcomp.commands import diagnose as diagnose_command
+from gravcomp.files import write_all_atomically
 from gravcomp.measured.csv_reader import read_measurement
 from gravcomp.measured.loop import check_robot, close_loop, weights_folder
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.measured.model import Model, load_model
+from gravcomp.measured.report import report
+from gravcomp.network.provenance import write_provenance
 
 
 def add_arguments(parser):
     parser.add_argument("data", type=Path, help="measured CSV of the robot")
-    parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="network to start from")
+    parser.add_argument("--model", type=Path, help="the robot's TOML, or a model.toml; default: the nominal robot")
+    parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="network of that model")
     parser.add_argument("--out", type=Path, default=Path("build/loop"), help="folder (default %(default)s)")
+    parser.add_argument("--save", type=Path, help="weights folder to keep the result in, for make rom WEIGHTS=...")
     parser.add_argument("--seed", type=int, default=0, help="of held-out blocks and training poses (default 0)")
     parser.add_argument("--holdout", choices=("blocks", "reverse", "last"), default="blocks", help="as in diagnose")
 
 
 def run(arguments):
-    p = load_parameters()
-    check_robot(read_measurement(arguments.data, p), arguments.weights)
-    found = diagnose_command.run(Namespace(**vars(arguments), model=None))
-    closed = close_loop(found, arguments.weights, arguments.out, p, arguments.seed)
+    model = load_model(arguments.model) if arguments.model else Model()
+    check_robot(read_measurement(arguments.data, model.robot), arguments.weights)
+    found, grown = diagnose_command.run(arguments)
+    closed = close_loop(found, grown, arguments.weights, arguments.out, arguments.seed)
+    result = weights_folder(arguments.out, "after")
+    content = report(found)
+    write_provenance(
+        result,
+        command=f"gravcomp loop {arguments.data} --weights {arguments.weights} --seed {arguments.seed}",
+        data={"log": arguments.data.name, "sha256": hashlib.sha256(arguments.data.read_bytes()).hexdigest()},
+        metrics={f"model_{when}": content[when] for when in ("before", "after")},
+    )
+    if arguments.save:
+        write_all_atomically({arguments.save / path.name: path.read_bytes() for path in result.iterdir()})
+        result = arguments.save
     print("\nin hardware:")
     for place, names in (
         ("network, trained again", closed.placement.in_network + closed.corrections),
@@ -33,4 +50,4 @@ def run(arguments):
         ("nowhere", closed.placement.nowhere),
     ):
         print(f"  {place}: {', '.join(names) or 'nothing'}")
-    print(f"  weights: {weights_folder(arguments.out, 'after')}; {closed.n_samples} held-out samples for the RTL")
+    print(f"  weights: {result}; {closed.n_samples} held-out samples for the RTL")

@@ -7,6 +7,7 @@ import numpy as np
 from gravcomp.measured.fit import Fit
 from gravcomp.measured.hardware import into_hardware
 from gravcomp.measured.measurement import Measurement
+from gravcomp.measured.model import Model
 from gravcomp.network import bittrue
 from gravcomp.network.compensation import FixedCompensation, compensator, period_of, quantise_compensation
 from gravcomp.network.compensation_csv import Compensation
@@ -34,6 +35,6 @@ class FieldCore:
 
 def build_core(fit: Fit, field: Measurement, start: Network, p: RobotParameters, n_poses: int, seed: int) -> FieldCore:
     """start with what the fit found in the field, as in the loop; n_poses to train on again."""
-    network, placement, _ = into_hardware(fit, field, start, p, seed, n_poses)
+    network, placement, _ = into_hardware(Model(robot=p).grown(fit), field, start, seed, n_poses)
     constants = placement.compensation
     return FieldCore(quantise(network, p), constants, quantise_compensation(constants, p), p)

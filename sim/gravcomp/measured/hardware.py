@@ -13,7 +13,6 @@ from gravcomp.errors import InputError
 from gravcomp.measured.effects import effect_named
 from gravcomp.measured.effects.base import axis_of
 from gravcomp.measured.empirical import Correction
-from gravcomp.measured.fit import Fit
 from gravcomp.measured.measurement import Measurement
 from gravcomp.measured.model import Model
 from gravcomp.measured.retraining import N_POSES, augmented_set, retrained
@@ -25,7 +24,6 @@ from gravcomp.network.compensation_csv import (
     no_compensation,
 )
 from gravcomp.network.weights import Network
-from gravcomp.robot.parameters import RobotParameters
 
 DEFAULT_CLOCK_HZ = 100e6
 # Speeds from which on friction is whole; it is zero below half of that. The lower limit is about ten counts a second.
@@ -43,24 +41,21 @@ class Placement:
 
 
 def into_hardware(
-    fit: Fit, data: Measurement, network: Network, p: RobotParameters, seed: int, n_poses: int = N_POSES
+    model: Model, data: Measurement, network: Network, seed: int, n_poses: int = N_POSES
 ) -> tuple[Network, Placement, list[str]]:
-    """The network trained again on what was found in data, the compensator's part, and the corrections in the network.
+    """The network trained again on the model's statics, the compensator's part, and the corrections in the network.
 
-    Empirical corrections that depend on positions alone go into the network too. Raises InputError for effects that
-    the hardware cannot hold.
+    The model's effects were found in data. Empirical corrections that depend on positions alone go into the network
+    too. Raises InputError for effects that the hardware cannot hold.
     """
-    effects = [(entry.name, entry.parameters) for entry in fit.effects]
-    placement = compensation_from_effects([{"name": name, "params": params} for name, params in effects], data)
-    corrections = [entry for entry in fit.corrections if is_of_position(entry.term.source)]
-    if placement.in_network or corrections:
-        lacking = Model(
-            robot=p,
-            effects=[(name, params) for name, params in effects if name in placement.in_network],
-            corrections=[(entry.term.source, tuple(entry.parameters.values())) for entry in corrections],
-        )
-        network, _ = retrained(network, augmented_set(lacking, p, seed, n_poses), p)
-    return network, placement, [entry.name for entry in corrections]
+    effects = [{"name": name, "params": params} for name, params in model.effects]
+    placement = compensation_from_effects(effects, data)
+    in_network = [(name, params) for name, params in model.effects if name in placement.in_network]
+    corrections = [(correction, values) for correction, values in model.corrections if is_of_position(correction)]
+    if in_network or corrections:
+        lacking = replace(model, effects=in_network, corrections=corrections)
+        network, _ = retrained(network, augmented_set(lacking, model.robot, seed, n_poses), model.robot)
+    return network, placement, [correction.label for correction, _ in corrections]
 
 
 def is_of_position(correction: Correction) -> bool:

@@ -1,7 +1,7 @@
 """The loop: what a diagnosis found goes into network and compensator, and held-out samples judge model and hardware.
 
-Folder of a loop: before/ and after/, each with weights/ (CSV), generated/ (VHDL packages) and, once the RTL has run,
-rtl_mn.npy; samples.npz, what the RTL is to be run on and what was measured there.
+Folder of a loop: before/ and after/, each with weights/ (a weights folder), generated/ (VHDL packages) and, once the
+RTL has run, rtl_mn.npy; samples.npz, what the RTL is to be run on and what was measured there.
 """
 
 from dataclasses import dataclass, replace
@@ -13,6 +13,7 @@ from gravcomp.errors import InputError
 from gravcomp.measured.diagnosis import Diagnosis
 from gravcomp.measured.hardware import DEFAULT_CLOCK_HZ, Placement, into_hardware
 from gravcomp.measured.measurement import Measurement
+from gravcomp.measured.model import Model
 from gravcomp.measured.report import errors
 from gravcomp.network.compensation import period_of
 from gravcomp.network.compensation_csv import Compensation, load_compensation, no_compensation, save_compensation
@@ -55,14 +56,15 @@ def check_robot(data: Measurement, weights: Path) -> None:
         raise InputError(f"{data.name}: not of the robot of {weights}; give its positions q1_m .., without fm columns")
 
 
-def close_loop(found: Diagnosis, weights: Path, folder: Path, p: RobotParameters, seed: int) -> Closed:
-    """Put what was found into weights and constants; writes before/ and after/ with their ROMs, and samples.npz.
+def close_loop(found: Diagnosis, model: Model, weights: Path, folder: Path, seed: int) -> Closed:
+    """Put the model, with what was found, into weights and constants; writes before/ and after/ with their ROMs, and
+    samples.npz.
 
     Empirical corrections that depend on positions alone go into the network too. Raises InputError for effects that
     the hardware cannot hold.
     """
-    network = load_network(weights)
-    grown, placement, corrections = into_hardware(found.fit, found.data, network, p, seed)
+    network, p = load_network(weights), model.robot
+    grown, placement, corrections = into_hardware(model, found.data, network, seed)
     _write(folder, "before", network, load_compensation(weights, network.n_axes), p, f"from {weights}")
     names = ", ".join(placement.in_compensator) or "nothing"
     _write(folder, "after", grown, placement.compensation, p, f"found in {found.data.name}: {names}")

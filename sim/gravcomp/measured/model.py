@@ -2,7 +2,7 @@
 
 import math
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.measured.effects import NAMES, effect_named
 from gravcomp.measured.empirical import Correction
+from gravcomp.measured.fit import Fit
 from gravcomp.measured.measurement import Measurement
 from gravcomp.robot.parameters import NOMINAL_TOML, RobotParameters, load_parameters, parameters_from_table
 
@@ -22,6 +23,14 @@ class Model:
     nominal_toml: str = field(default_factory=lambda: NOMINAL_TOML.read_text(encoding="utf-8"))
     effects: list[tuple[str, dict[str, float]]] = field(default_factory=list)
     corrections: list[tuple[Correction, tuple[float, ...]]] = field(default_factory=list)
+
+    def grown(self, fit: Fit) -> "Model":
+        """This model with what was fitted on top of it."""
+        return replace(
+            self,
+            effects=self.effects + [(entry.name, entry.parameters) for entry in fit.effects],
+            corrections=self.corrections + [(e.term.source, tuple(e.parameters.values())) for e in fit.corrections],
+        )
 
     def predict(self, data: Measurement) -> np.ndarray:
         """Sum of all effects and corrections, (n, k), to be added to data.nominal. Raises InputError."""

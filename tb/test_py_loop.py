@@ -1,0 +1,88 @@
+"""The command loop: which robot it takes, what it puts where, and that the result is a weights folder as any other."""
+
+import contextlib
+import io
+import json
+
+import numpy as np
+import pytest
+
+from codes import ROOT
+from gravcomp.cli import main
+from gravcomp.measured.loop import SAMPLES
+from gravcomp.network.compensation_csv import load_compensation
+from gravcomp.network.weights import load_network
+from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
+from gravcomp.robot.statics import holding_forces_at
+from measured_samples import holds
+
+WEIGHTS = ROOT / "weights" / "spheiro"
+FC_N = np.array([1.0, 2.0, 1.5])
+
+
+@pytest.fixture(scope="module")
+def heavy(tmp_path_factory):
+    """TOML of a robot with another platform, and the log of its holds with Coulomb friction."""
+    folder = tmp_path_factory.mktemp("heavy robot")
+    toml = NOMINAL_TOML.read_text()
+    assert toml.count("mass_kg = 10.5") == 1
+    (folder / "robot.toml").write_text(toml.replace("mass_kg = 10.5", "mass_kg = 14.0"))
+    data = holds(160, 4)
+    statics = holding_forces_at(data.q, load_parameters(folder / "robot.toml"))
+    force = statics + FC_N * np.sign(data.v) + 0.1 * np.random.default_rng(1).standard_normal(data.shape)
+    head = "t_s," + ",".join(f"{c}{i}_{u}" for c, u in (("q", "m"), ("v", "mps"), ("f", "n")) for i in (1, 2, 3))
+    rows = np.column_stack([data.t_s, data.q, data.v, force])
+    (folder / "log.csv").write_text("\n".join([head, *(",".join(f"{x:.9g}" for x in row) for row in rows)]) + "\n")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def printed(heavy):
+    """What the loop prints, for the robot it is given; the result is kept in weights/mine."""
+    kept = ["--save", str(heavy / "weights" / "mine")]
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        assert main(["loop", *arguments_for(heavy), *kept, "--out", str(heavy / "out")]) == 0
+    return out.getvalue()
+
+
+def arguments_for(folder, model="robot.toml", weights=WEIGHTS):
+    return [str(folder / "log.csv"), "--weights", str(weights), "--model", str(folder / model)]
+
+
+def test_loop_takes_the_robot_it_is_given(heavy, printed):
+    found = json.loads((heavy / "out" / "report.json").read_text())
+    assert [effect["name"] for effect in found["effects"]] == ["coulomb_friction"]
+    assert f"compensator: coulomb_friction\n  nowhere: nothing\n  weights: {heavy / 'weights' / 'mine'}" in printed
+    with np.load(heavy / "out" / SAMPLES) as samples:
+        heavy_n = holding_forces_at(samples["q_m"], load_parameters(heavy / "robot.toml"))
+        np.testing.assert_allclose(samples["model_n"], heavy_n)
+
+
+def test_result_is_kept_as_a_weights_folder_with_its_provenance(heavy, printed, tmp_path):
+    kept = heavy / "weights" / "mine"
+    constants = load_compensation(kept, 3)
+    np.testing.assert_allclose([constants.fc_pos_n, constants.fc_neg_n], [FC_N, FC_N], atol=0.05)
+    np.testing.assert_array_equal(load_network(kept).hidden_weights, load_network(WEIGHTS).hidden_weights)
+    provenance = json.loads((kept / "provenance.json").read_text())
+    assert provenance["data"]["log"] == "log.csv"
+    assert provenance["metrics"]["model_after"]["rms_n"] == pytest.approx(0.1, rel=0.2)
+    assert main(["rom", "--weights", str(kept), "--out", str(tmp_path)]) == 0
+    for path in tmp_path.iterdir():
+        made = (heavy / "out" / "after" / "generated" / path.name).read_text()
+        assert path.read_text().replace("weights/mine", "weights/weights") == made
+
+
+def test_effects_that_the_model_has_stay_in_the_hardware(heavy, printed):
+    (heavy / "again.toml").write_text((heavy / "out" / "model.toml").read_text())
+    arguments = arguments_for(heavy, "again.toml", heavy / "weights" / "mine")
+    assert main(["loop", *arguments, "--out", str(heavy / "second")]) == 0
+    assert json.loads((heavy / "second" / "report.json").read_text())["verdict"] == "nothing_missing"
+    first, second = (load_compensation(heavy / run / "after" / "weights", 3) for run in ("out", "second"))
+    np.testing.assert_array_equal(second.fc_pos_n, first.fc_pos_n)
+
+
+def test_model_that_is_not_there_is_refused_in_one_line(heavy, capsys):
+    assert main(["loop", str(heavy / "log.csv"), "--model", str(heavy / "absent.toml")]) == 2
+    error = capsys.readouterr().err
+    assert "absent.toml: cannot be read" in error
+    assert error.count("\n") == 1

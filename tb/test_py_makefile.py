@@ -1,0 +1,36 @@
+"""The Makefile: a path with a space stays one argument."""
+
+import shlex
+import subprocess
+
+import pytest
+
+from codes import ROOT
+
+
+def commands(target: str, **variables: str) -> list[list[str]]:
+    """The commands that make would start, as the shell splits them."""
+    call = ["make", "-n", "-C", str(ROOT), target, *(f"{name}={value}" for name, value in variables.items())]
+    text = subprocess.run(call, capture_output=True, text=True, check=True).stdout.replace("\\\n", " ")
+    return [shlex.split(line) for line in text.splitlines() if "gravcomp " in line]
+
+
+@pytest.mark.parametrize("target", ["sim", "rom", "formats", "loop"])
+def test_weights_folder_may_have_a_space(target):
+    calls = [call for call in commands(target, WEIGHTS="weights/my robot") if "--weights" in call]
+    assert calls
+    assert all(call[call.index("--weights") + 1] == "weights/my robot" for call in calls)
+
+
+def test_loop_takes_log_model_and_folder_with_spaces():
+    (call,) = (
+        c for c in commands("loop", DATA="my log.csv", MODEL="my robot.toml", SAVE="weights/my own") if "loop" in c
+    )
+    assert call[1:3] == ["loop", "my log.csv"]
+    assert call[call.index("--model") + 1] == "my robot.toml"
+    assert call[call.index("--save") + 1] == "weights/my own"
+
+
+def test_loop_without_model_and_folder_asks_for_neither():
+    (call,) = (call for call in commands("loop") if "loop" in call)
+    assert not {"--model", "--save"} & set(call)
