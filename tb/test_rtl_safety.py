@@ -8,7 +8,7 @@ import numpy as np
 
 from codes import ROOT, fixed_network, pack, unpack
 from gravcomp.network.quantise import COUNT_BITS
-from gravcomp.system.safety import ALWAYS, Cause, State, position_window, safety
+from gravcomp.system.safety import ALWAYS, Cause, State, safety
 from playback import play
 from runner import RTL, simulate
 
@@ -34,7 +34,7 @@ def quiet_inputs(n_clocks: int) -> dict[str, np.ndarray]:
     inputs |= {name: axes_zero for name in ("in_illegal", "in_clamped", "in_saturated")}
     inputs |= {"in_referenced": axes_zero + 1, "in_settled": axes_zero + 1, "in_period": axes_zero + STILL}
     inputs |= {"in_count": 7 * np.arange(n_clocks)[:, None] + 1000 * np.arange(n_axes)}
-    low, high = position_window(fixed_network())
+    low, high = position_window()
     inputs |= {"cfg_count_low": axes_zero + low, "cfg_count_high": axes_zero + high}
     limits = {"period_min": PERIOD_MIN, "saturation_clocks": SATURATION, "watchdog_clocks": WATCHDOG}
     limits |= {"result_clocks": RESULT, "brake_clocks": BRAKE}
@@ -42,9 +42,15 @@ def quiet_inputs(n_clocks: int) -> dict[str, np.ndarray]:
     return {name: values.copy() for name, values in inputs.items()}
 
 
+def position_window() -> np.ndarray:
+    """Lowest and highest count of each axis that is no fault: the trained range and 2 mm beyond."""
+    fixed = fixed_network()
+    return np.array([fixed.count_low - 2000, fixed.count_high + 2000])
+
+
 def present_it(inputs: dict[str, np.ndarray], cause: Cause, clocks: slice, axis: int) -> None:
     """Makes the cause happen in those clocks, on that axis where it has one. A time-out: the clocks of silence."""
-    low, high = position_window(fixed_network())
+    low, high = position_window()
     name, value = {
         Cause.ESTOP: ("estop_n", 0),
         Cause.ENCODER: ("in_illegal", 1),
@@ -142,7 +148,7 @@ async def values_at_the_limit_are_no_fault(dut):
         inputs, sign = quiet_inputs(300), 1 - 2 * (axis % 2)
         inputs["enable"][ENABLED:] = 1
         inputs["in_period"][ONSET:, axis] = sign * PERIOD_MIN
-        inputs["in_count"][ONSET:, axis] = position_window(fixed_network())[axis % 2][axis]
+        inputs["in_count"][ONSET:, axis] = position_window()[axis % 2][axis]
         inputs["kick"][ONSET + 1 : ONSET + 1 + WATCHDOG] = 0
         inputs["kick"][[ONSET, ONSET + 1 + WATCHDOG]] = 1
         inputs["in_result"][ONSET + 1 : ONSET + 1 + RESULT] = 0
@@ -228,7 +234,7 @@ def random_inputs(rng: np.random.Generator, n_clocks: int) -> dict[str, np.ndarr
     """Quiet inputs with bursts of causes on random axes, random enable, clear, settled, resets and limits."""
     inputs = quiet_inputs(n_clocks)
     n_axes = inputs["in_count"].shape[1]
-    low, high = position_window(fixed_network())
+    low, high = position_window()
     inputs["in_count"] = np.where(rng.random((n_clocks, n_axes)) < 0.99, inputs["in_count"], rng.choice([low, high]))
     for cause in list(Cause) * (n_clocks // 500):
         start, length = int(rng.integers(n_clocks)), LIMITS.get(cause, 0) + int(rng.choice([1, 2, 5, 20]))

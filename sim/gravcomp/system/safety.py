@@ -9,7 +9,6 @@ from enum import IntEnum
 import numpy as np
 
 from gravcomp.encoder import synchronizer
-from gravcomp.network.quantise import FixedNetwork
 
 
 class State(IntEnum):
@@ -41,15 +40,7 @@ class Cause(IntEnum):
         return 1 << self
 
 
-POSITION_MARGIN = 2000  # counts, 2 mm: a short overrun of the trained range is a clamped force, not a fault
 ALWAYS = Cause.ESTOP.mask | Cause.ENCODER.mask | Cause.CRC.mask | Cause.ROM.mask  # faults while braked, too
-
-
-def position_window(fixed: FixedNetwork) -> tuple[np.ndarray, np.ndarray]:
-    """cfg_count_low and cfg_count_high (axes,) for a network: its trained range and POSITION_MARGIN beyond, counts."""
-    ends = np.iinfo(np.int32)
-    low, high = fixed.count_low - POSITION_MARGIN, fixed.count_high + POSITION_MARGIN
-    return low.clip(ends.min, ends.max), high.clip(ends.min, ends.max)
 
 
 class Timeout:
