@@ -67,9 +67,10 @@ def run_tests(root: Path, rtl: Path, build: Path, files: Sequence[str], timeout_
     """
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", "not slow"]
     command += ["-k", "not planted", *(str(root / "tb" / file) for file in files)]
-    variables = {**os.environ, "GRAVCOMP_RTL": str(rtl), "GRAVCOMP_BUILD": str(build)}
+    variables = {"GRAVCOMP_RTL": rtl.resolve(), "GRAVCOMP_BUILD": build.resolve(), "PYTHONPATH": root / "sim"}
+    environment = {**os.environ, **{name: str(value) for name, value in variables.items()}}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-    run = subprocess.Popen(command, cwd=root, env=variables, start_new_session=True, **pipes)
+    run = subprocess.Popen(command, cwd=root, env=environment, start_new_session=True, **pipes)
     try:
         log, _ = run.communicate(timeout=timeout_s)
     except subprocess.TimeoutExpired:
