@@ -302,6 +302,17 @@ extern "C" {
 #define GC_REGISTERS__FIRST_POSITIONX__VALUE_bp 0
 #define GC_REGISTERS__FIRST_POSITIONX__VALUE_bw 32
 
+// reg - gc_registers.control_now
+#define GC_REGISTERS__CONTROL_NOW__ENABLE_bm 0x1
+#define GC_REGISTERS__CONTROL_NOW__ENABLE_bp 0
+#define GC_REGISTERS__CONTROL_NOW__ENABLE_bw 1
+#define GC_REGISTERS__CONTROL_NOW__TICK_ENABLE_bm 0x2
+#define GC_REGISTERS__CONTROL_NOW__TICK_ENABLE_bp 1
+#define GC_REGISTERS__CONTROL_NOW__TICK_ENABLE_bw 1
+#define GC_REGISTERS__CONTROL_NOW__HOME_ENABLE_bm 0x70
+#define GC_REGISTERS__CONTROL_NOW__HOME_ENABLE_bp 4
+#define GC_REGISTERS__CONTROL_NOW__HOME_ENABLE_bw 3
+
 // reg - gc_registers.interrupt_enable
 #define GC_REGISTERS__INTERRUPT_ENABLE__RESULT_bm 0x1
 #define GC_REGISTERS__INTERRUPT_ENABLE__RESULT_bp 0
@@ -381,7 +392,9 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t first_cause;
     uint8_t RESERVED_17c_17f[0x4];
     uint32_t first_position[3];
-    uint8_t RESERVED_18c_19f[0x14];
+    uint8_t RESERVED_18c_18f[0x4];
+    uint32_t control_now;
+    uint8_t RESERVED_194_19f[0xc];
     uint32_t interrupt_enable;
     uint32_t interrupt_status;
 } gc_registers_t;

@@ -1,9 +1,10 @@
 -- SPDX-License-Identifier: MIT
 --
--- out_sum = sum of in_terms: one n-ary sum, a register after every two-operand adder.
+-- out_sum = sum of in_terms: one n-ary sum, a register at every term and after every two-operand adder.
 --
--- Formats: terms_g terms of bits_g bits, term 0 lowest in the vector -> bits_g. Latency: ceil(log2(terms_g)) clocks,
--- 0 for a single term. Overflow: wraps; bits_g must hold every partial sum.
+-- The registers at the terms stand near the adders: the way from a DSP block takes a clock of its own.
+-- Formats: terms_g terms of bits_g bits, term 0 lowest in the vector -> bits_g. Latency: 1 + ceil(log2(terms_g)) clocks.
+-- Overflow: wraps; bits_g must hold every partial sum.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -40,14 +41,23 @@ architecture rtl of gc_adder_tree is
 
   -- A heap: node 1 is the root, nodes 2k and 2k + 1 feed node k, the leaves are at the end.
   signal node  : sums_t(1 to 2 * leaves_c - 1);
-  signal valid : std_ulogic_vector(0 to depth_c) := (others => '0');
+  signal valid : std_ulogic_vector(0 to depth_c + 1) := (others => '0');
 
 begin
 
   g_leaf : for i in 0 to leaves_c - 1 generate
 
     g_term : if i < terms_g generate
-      node(leaves_c + i) <= in_terms((i + 1) * bits_g - 1 downto i * bits_g);
+
+      p_term : process (clk) is
+      begin
+
+        if rising_edge(clk) then
+          node(leaves_c + i) <= in_terms((i + 1) * bits_g - 1 downto i * bits_g);
+        end if;
+
+      end process p_term;
+
     end generate g_term;
 
     g_padding : if i >= terms_g generate
@@ -71,7 +81,7 @@ begin
 
   valid(0) <= in_valid;
 
-  g_valid : for i in 1 to depth_c generate
+  g_valid : for i in 1 to depth_c + 1 generate
 
     p_valid : process (clk) is
     begin
@@ -87,7 +97,7 @@ begin
 
   end generate g_valid;
 
-  out_valid <= valid(depth_c);
+  out_valid <= valid(depth_c + 1);
   out_sum <= node(1);
 
 end architecture rtl;

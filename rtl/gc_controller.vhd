@@ -240,8 +240,10 @@ begin
 
   status <= x"00000" & "00" & busy & run & '0' & released & '0' & safety_state;
 
-  -- from sts_first_position_c down to sts_number_c
-  out_state <= std_ulogic_vector(first_count)
+  -- from sts_control_c down to sts_number_c
+  out_state <= x"000000" & '0' & in_settings(cfg_home_c + axes_c - 1 downto cfg_home_c) & "00"
+               & in_settings(cfg_tick_enable_c) & in_settings(cfg_enable_c)
+               & std_ulogic_vector(first_count)
                & std_ulogic_vector(count)
                & std_ulogic_vector(command)
                & std_ulogic_vector(current)

@@ -4,8 +4,9 @@
 --
 -- lanes_g neurons per clock; 166 multiplications and 43 sums per inference at hidden size 20 and three axes.
 -- Formats: 32-bit counts -> 24 bits, mN. Initiation interval: hidden_c / lanes_g clocks (in_ready); latency from
--- accepted counts to forces: 14 + ceil(log2(inputs_c + 1)) + ceil(log2(lanes_g)) + hidden_c / lanes_g clocks; with one
--- lane inputs_c + outputs_c more, as its scalers share a multiplier each.
+-- accepted counts to forces: 18 + ceil(log2(inputs_c + 1)) + ceil(log2(lanes_g)) + hidden_c / lanes_g clocks; with one
+-- lane inputs_c + outputs_c - 1 more, as its scalers share a multiplier each; with all neurons at once
+-- 18 + ceil(log2(inputs_c + 1)) + ceil(log2(hidden_c + 1)), as the bias is a term of the last sum.
 -- Overflow: no intermediate can, for any count. Illegal input: counts outside the trained range are clamped and
 -- flagged; an output that does not fit saturates and is flagged.
 
@@ -48,15 +49,17 @@ architecture rtl of gc_core is
   -- With 20 clocks per inference one multiplier per scaler is enough.
   constant serial_c : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
   -- From x to force: lane, activation, output layer, output scaler.
-  constant delay_c  : positive := (3 + tree_depth(inputs_c + 1)) + 3 + (steps_c - 1 + 3 + tree_depth(lanes_g))
+  constant delay_c  : positive := (4 + tree_depth(inputs_c + 1)) + 3 + (steps_c - 1 + output_latency(lanes_g, steps_c))
                                  + (1 + scale_latency(outputs_c, serial_c));
 
-  signal wait_clocks : natural range 0 to steps_c - 1 := 0;
+  -- Clocks since the last accepted counts, and the step of the lanes; both rest at 0.
+  signal since       : std_ulogic_vector(0 to steps_c - 1);
+  signal since_runs  : std_ulogic;
+  signal step        : std_ulogic_vector(0 to steps_c - 1);
   signal accept      : std_ulogic;
   signal x_valid     : std_ulogic;
   signal x           : signed(inputs_c * operand_bits_c - 1 downto 0);
   signal x_clamped   : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal step        : natural range 0 to steps_c - 1 := 0;
   signal lane_valid  : std_ulogic;
   signal h_valid     : std_ulogic_vector(lanes_g - 1 downto 0);
   signal h           : signed(lanes_g * operand_bits_c - 1 downto 0);
@@ -69,31 +72,34 @@ begin
     report "gc_core: need lanes_g that divides " & integer'image(hidden_c) & " neurons, got " & integer'image(lanes_g)
     severity failure;
 
-  in_ready <= '1' when wait_clocks = 0 else '0';
-  accept <= '1' when in_valid = '1' and wait_clocks = 0 else '0';
-
   -- One inference per steps_c clocks at the input, steps_c clocks of the lanes for each x.
-  p_sequence : process (clk) is
-  begin
+  in_ready <= since(0);
+  accept <= in_valid and since(0);
+  since_runs <= in_valid or not since(0);
 
-    if rising_edge(clk) then
-      if accept = '1' then
-        wait_clocks <= steps_c - 1;
-      elsif wait_clocks > 0 then
-        wait_clocks <= wait_clocks - 1;
-      end if;
-      if step = steps_c - 1 then
-        step <= 0;
-      elsif lane_valid = '1' then
-        step <= step + 1;
-      end if;
-      if rst = '1' then
-        wait_clocks <= 0;
-        step <= 0;
-      end if;
-    end if;
+  i_since : entity work.gc_ring
+    generic map (
+      length_g => steps_c
+    )
+    port map (
+      clk      => clk,
+      rst      => rst,
+      in_valid => since_runs,
+      out_turn => since
+    );
 
-  end process p_sequence;
+  lane_valid <= x_valid or not step(0);
+
+  i_step : entity work.gc_ring
+    generic map (
+      length_g => steps_c
+    )
+    port map (
+      clk      => clk,
+      rst      => rst,
+      in_valid => lane_valid,
+      out_turn => step
+    );
 
   i_input_scaler : entity work.gc_input_scaler
     generic map (
@@ -108,8 +114,6 @@ begin
       out_x       => x,
       out_clamped => x_clamped
     );
-
-  lane_valid <= '1' when x_valid = '1' or step > 0 else '0';
 
   g_lane : for lane in 0 to lanes_g - 1 generate
     signal a_valid : std_ulogic;

@@ -16,7 +16,7 @@ package gc_fixed_pkg is
 
   subtype operand_t is signed(operand_bits_c - 1 downto 0);
 
-  -- Number of register stages of gc_adder_tree.
+  -- Levels of adders in gc_adder_tree.
 
   function tree_depth (
     terms : positive
@@ -27,6 +27,13 @@ package gc_fixed_pkg is
   function scale_latency (
     values : positive;
     serial : boolean
+  ) return natural;
+
+  -- Latency of gc_output_layer from the last of `steps` inputs, clocks.
+
+  function output_latency (
+    lanes : positive;
+    steps : positive
   ) return natural;
 
   -- Drop the lowest bits. The caller guarantees that the result fits `bits`.
@@ -86,6 +93,20 @@ package body gc_fixed_pkg is
     return 2;
 
   end function scale_latency;
+
+  function output_latency (
+    lanes : positive;
+    steps : positive
+  ) return natural is
+  begin
+
+    if steps = 1 then
+      return 3 + tree_depth(lanes + 1);
+    end if;
+
+    return 4 + tree_depth(lanes);
+
+  end function output_latency;
 
   function truncate (
     value : signed;

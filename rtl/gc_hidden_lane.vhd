@@ -5,7 +5,7 @@
 --
 -- Lane l of lanes_g computes the neurons l, l + lanes_g ... in turn, one per in_valid, all on the same x.
 -- Formats: 18 bits, x_fraction_c -> 18 bits, preactivation_fraction_c, truncated (half LSB in the bias).
--- Latency: 3 + ceil(log2(inputs_c + 1)) clocks. Overflow: the sum cannot, hidden_sum_bits_c holds every partial sum.
+-- Latency: 4 + ceil(log2(inputs_c + 1)) clocks. Overflow: the sum cannot, hidden_sum_bits_c holds every partial sum.
 
 library ieee;
   use ieee.std_logic_1164.all;

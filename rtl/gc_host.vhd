@@ -212,6 +212,11 @@ begin
     regs_in.axis_flags.speed_valid.next_q <= word_v(23 downto 21);
     regs_in.axis_flags.speed_zero.next_q <= word_v(26 downto 24);
 
+    word_v := words(in_state, sts_control_c);
+    regs_in.control_now.enable.next_q <= word_v(cfg_enable_c);
+    regs_in.control_now.tick_enable.next_q <= word_v(cfg_tick_enable_c);
+    regs_in.control_now.home_enable.next_q <= word_v(cfg_home_c + axes_c - 1 downto cfg_home_c);
+
     word_v := words(in_state, sts_cause_c);
     regs_in.cause.value.next_q <= word_v(causes_c - 1 downto 0);
 

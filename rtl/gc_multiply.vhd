@@ -3,7 +3,8 @@
 -- out_product = in_a * in_b, signed, full precision.
 --
 -- Operands and product are registered, so that the whole entity fits one DSP block with its own registers; a vendor's
--- primitive may replace it by a mapping file. Nothing toggles without in_valid; the product holds until the next.
+-- primitive may replace it by a mapping file. The data have no clock enable, which would have to reach every DSP block:
+-- the product follows the operands whatever in_valid says, and holds as long as they do.
 --
 -- Formats: a_bits_g x b_bits_g -> a_bits_g + b_bits_g. Latency: 2 clocks. Overflow: cannot happen.
 
@@ -35,24 +36,24 @@ architecture rtl of gc_multiply is
   signal valid_2   : std_ulogic := '0';
   signal a_1       : signed(a_bits_g - 1 downto 0);
   signal b_1       : signed(b_bits_g - 1 downto 0);
+  signal product   : signed(a_bits_g + b_bits_g - 1 downto 0);
   signal product_2 : signed(a_bits_g + b_bits_g - 1 downto 0);
 
 begin
+
+  -- Outside the process: a simulator multiplies only when an operand changes.
+  product <= a_1 * b_1;
 
   p_multiply : process (clk) is
   begin
 
     if rising_edge(clk) then
       -- stage 1
-      if in_valid = '1' then
-        a_1 <= in_a;
-        b_1 <= in_b;
-      end if;
+      a_1 <= in_a;
+      b_1 <= in_b;
       valid_1 <= in_valid;
       -- stage 2
-      if valid_1 = '1' then
-        product_2 <= a_1 * b_1;
-      end if;
+      product_2 <= product;
       valid_2 <= valid_1;
       if rst = '1' then
         valid_1 <= '0';

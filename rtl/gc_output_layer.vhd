@@ -1,12 +1,12 @@
 -- SPDX-License-Identifier: MIT
 --
 -- total = V h + b: output products of lanes_g neurons per clock, an adder tree over the lanes, one accumulator per
--- output that starts from the bias.
+-- output that starts from the bias. With all neurons in one clock the bias is a term of the tree instead.
 --
 -- In_valid comes hidden_c / lanes_g times per inference, neurons in the order of gc_hidden_lane.
 -- Formats: 18 bits, hidden_fraction_c -> output_sum_bits_c, full precision. Latency from the last in_valid of an
--- inference: 3 + ceil(log2(lanes_g)) clocks; out_total holds until the next accumulation. Overflow: cannot happen,
--- output_sum_bits_c holds every partial sum.
+-- inference: 4 + ceil(log2(lanes_g)) clocks, or 3 + ceil(log2(lanes_g + 1)) with all neurons in one clock. Overflow:
+-- cannot happen, output_sum_bits_c holds every partial sum.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -40,14 +40,25 @@ architecture rtl of gc_output_layer is
   constant sum_bits_c     : positive := output_sum_bits_c;
   constant product_bits_c : positive := 2 * operand_bits_c;
 
+  -- The bias is the last term when there is nothing to accumulate.
+  function terms_per_output return positive is
+  begin
+
+    if steps_c = 1 then
+      return lanes_g + 1;
+    end if;
+
+    return lanes_g;
+
+  end function terms_per_output;
+
+  constant terms_c : positive := terms_per_output;
+
   signal valid_2    : std_ulogic_vector(lanes_g * outputs_c - 1 downto 0);
   -- Output-major: the terms of one output are neighbours.
-  signal terms_2    : signed(outputs_c * lanes_g * sum_bits_c - 1 downto 0);
+  signal terms_2    : signed(outputs_c * terms_c * sum_bits_c - 1 downto 0);
   signal tree       : signed(outputs_c * sum_bits_c - 1 downto 0);
   signal tree_valid : std_ulogic_vector(outputs_c - 1 downto 0);
-  signal step       : natural range 0 to steps_c - 1 := 0;
-  signal valid_acc  : std_ulogic := '0';
-  signal acc        : signed(outputs_c * sum_bits_c - 1 downto 0);
 
 begin
 
@@ -73,7 +84,7 @@ begin
       );
 
     g_output : for k in 0 to outputs_c - 1 generate
-      constant term_c    : natural := k * lanes_g + lane;
+      constant term_c    : natural := k * terms_c + lane;
       signal   product_2 : signed(product_bits_c - 1 downto 0);
     begin
 
@@ -88,7 +99,7 @@ begin
           in_valid    => in_valid,
           in_a        => in_h((lane + 1) * operand_bits_c - 1 downto lane * operand_bits_c),
           in_b        => signed(word((k + 1) * operand_bits_c - 1 downto k * operand_bits_c)),
-          out_valid   => valid_2(term_c),
+          out_valid   => valid_2(k * lanes_g + lane),
           out_product => product_2
         );
 
@@ -103,67 +114,94 @@ begin
 
     i_tree : entity work.gc_adder_tree
       generic map (
-        terms_g => lanes_g,
+        terms_g => terms_c,
         bits_g  => sum_bits_c
       )
       port map (
         clk       => clk,
         rst       => rst,
         in_valid  => valid_2(0),
-        in_terms  => terms_2((k + 1) * lanes_g * sum_bits_c - 1 downto k * lanes_g * sum_bits_c),
+        in_terms  => terms_2((k + 1) * terms_c * sum_bits_c - 1 downto k * terms_c * sum_bits_c),
         out_valid => tree_valid(k),
         out_sum   => tree((k + 1) * sum_bits_c - 1 downto k * sum_bits_c)
       );
 
   end generate g_tree;
 
-  -- last stage: accumulate, from the bias
+  g_once : if steps_c = 1 generate
 
-  g_accumulate : for k in 0 to outputs_c - 1 generate
+    g_bias : for k in 0 to outputs_c - 1 generate
+      terms_2((k + 1) * terms_c * sum_bits_c - 1 downto ((k + 1) * terms_c - 1) * sum_bits_c)
+ <= output_bias_c((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
+    end generate g_bias;
 
-    p_accumulate : process (clk) is
+    out_valid <= tree_valid(0);
+    out_total <= tree;
+  end generate g_once;
 
-      variable sum_v : signed(sum_bits_c - 1 downto 0);
+  -- last stage: accumulate; the bias, where the next sum starts, is the reset value and needs no multiplexer
 
+  g_accumulate : if steps_c > 1 generate
+    signal step  : std_ulogic_vector(0 to steps_c - 1);
+    signal last  : std_ulogic;
+    signal acc   : signed(outputs_c * sum_bits_c - 1 downto 0) := output_bias_c;
+    signal total : signed(outputs_c * sum_bits_c - 1 downto 0);
+    signal valid : std_ulogic := '0';
+  begin
+
+    i_step : entity work.gc_ring
+      generic map (
+        length_g => steps_c
+      )
+      port map (
+        clk      => clk,
+        rst      => rst,
+        in_valid => tree_valid(0),
+        out_turn => step
+      );
+
+    last <= step(steps_c - 1) and tree_valid(0);
+
+    g_output : for k in 0 to outputs_c - 1 generate
+      constant low_c  : natural := k * sum_bits_c;
+      constant high_c : natural := low_c + sum_bits_c - 1;
+    begin
+
+      p_accumulate : process (clk) is
+
+        variable sum_v : signed(sum_bits_c - 1 downto 0);
+
+      begin
+
+        if rising_edge(clk) then
+          sum_v := acc(high_c downto low_c) + tree(high_c downto low_c);
+          if tree_valid(0) = '1' then
+            acc(high_c downto low_c) <= sum_v;
+            total(high_c downto low_c) <= sum_v;
+          end if;
+          if rst = '1' or last = '1' then
+            acc(high_c downto low_c) <= output_bias_c(high_c downto low_c);
+          end if;
+        end if;
+
+      end process p_accumulate;
+
+    end generate g_output;
+
+    p_valid : process (clk) is
     begin
 
       if rising_edge(clk) then
-        if tree_valid(0) = '1' then
-          sum_v := acc((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
-          if step = 0 then
-            sum_v := output_bias_c((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
-          end if;
-          acc((k + 1) * sum_bits_c - 1 downto k * sum_bits_c)
- <= sum_v + tree((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
+        valid <= last;
+        if rst = '1' then
+          valid <= '0';
         end if;
       end if;
 
-    end process p_accumulate;
+    end process p_valid;
 
+    out_valid <= valid;
+    out_total <= total;
   end generate g_accumulate;
-
-  p_step : process (clk) is
-  begin
-
-    if rising_edge(clk) then
-      valid_acc <= '0';
-      if tree_valid(0) = '1' then
-        if step = steps_c - 1 then
-          step <= 0;
-          valid_acc <= '1';
-        else
-          step <= step + 1;
-        end if;
-      end if;
-      if rst = '1' then
-        step <= 0;
-        valid_acc <= '0';
-      end if;
-    end if;
-
-  end process p_step;
-
-  out_valid <= valid_acc;
-  out_total <= acc;
 
 end architecture rtl;

@@ -69,21 +69,32 @@ begin
   g_serial : if values_g > 1 and serial_g generate
     constant last_c : positive := values_g - 1;
 
-    -- The value that goes in, and whether one after the first does.
-    signal turn          : natural range 0 to last_c := 0;
+    -- The value that goes in.
+    signal turn          : std_ulogic_vector(0 to last_c);
     signal value         : operand_t;
     signal factor        : operand_t;
     signal value_valid   : std_ulogic;
     signal product       : signed(product_bits_c - 1 downto 0);
     signal product_valid : std_ulogic;
-    -- Products that have come; the ones before the last wait for it.
-    signal arrived       : natural range 0 to last_c := 0;
+    -- The product that comes out; the ones before the last wait for it.
+    signal arrival       : std_ulogic_vector(0 to last_c);
     signal waiting       : signed(last_c * product_bits_c - 1 downto 0);
     signal products      : signed(values_g * product_bits_c - 1 downto 0);
     signal valid         : std_ulogic := '0';
   begin
 
-    value_valid <= '1' when in_valid = '1' or turn > 0 else '0';
+    value_valid <= in_valid or not turn(0);
+
+    i_turn : entity work.gc_ring
+      generic map (
+        length_g => values_g
+      )
+      port map (
+        clk      => clk,
+        rst      => rst,
+        in_valid => value_valid,
+        out_turn => turn
+      );
 
     -- A loop of constant slices: no synthesis tool stumbles over it.
     p_select : process (all) is
@@ -94,7 +105,7 @@ begin
 
       for i in 1 to last_c loop
 
-        if turn = i then
+        if turn(i) = '1' then
           value <= in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
           factor <= factors_c((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
         end if;
@@ -118,29 +129,29 @@ begin
         out_product => product
       );
 
+    i_arrival : entity work.gc_ring
+      generic map (
+        length_g => values_g
+      )
+      port map (
+        clk      => clk,
+        rst      => rst,
+        in_valid => product_valid,
+        out_turn => arrival
+      );
+
     p_collect : process (clk) is
     begin
 
       if rising_edge(clk) then
-        if turn = last_c then
-          turn <= 0;
-        elsif value_valid = '1' then
-          turn <= turn + 1;
-        end if;
-        valid <= '0';
         if product_valid = '1' then
-          if arrived = last_c then
-            arrived <= 0;
+          waiting <= product & waiting(waiting'high downto product_bits_c);
+          if arrival(last_c) = '1' then
             products <= product & waiting;
-            valid <= '1';
-          else
-            arrived <= arrived + 1;
-            waiting <= product & waiting(waiting'high downto product_bits_c);
           end if;
         end if;
+        valid <= product_valid and arrival(last_c);
         if rst = '1' then
-          turn <= 0;
-          arrived <= 0;
           valid <= '0';
         end if;
       end if;

@@ -39,7 +39,7 @@ package gc_system_pkg is
 
   subtype settings_t is std_ulogic_vector(32 * cfg_words_c - 1 downto 0);
 
-  -- State: words; status and flags have the bits of the registers of that name.
+  -- State: words; status, flags and control have the bits of the registers.
   constant sts_number_c         : natural := 0;
   constant sts_missed_c         : natural := 1;
   constant sts_status_c         : natural := 2;
@@ -54,7 +54,8 @@ package gc_system_pkg is
   constant sts_command_c        : natural := 19;
   constant sts_position_now_c   : natural := 22;
   constant sts_first_position_c : natural := 25;
-  constant sts_words_c          : natural := 28;
+  constant sts_control_c        : natural := 28;
+  constant sts_words_c          : natural := 29;
 
   subtype state_t is std_ulogic_vector(32 * sts_words_c - 1 downto 0);
 

@@ -3,7 +3,7 @@
 -- A tick every cfg_clocks clocks, and a count of those that came while in_ready was low.
 --
 -- The first tick comes cfg_clocks clocks after cfg_enable rises. out_valid lasts one clock and does not wait for
--- in_ready. A new cfg_clocks counts from the next tick on. cfg_clocks = 0 ticks like 1: at every clock.
+-- in_ready. A new cfg_clocks counts at once, from the last tick. cfg_clocks = 0 ticks like 1: at every clock.
 -- Overflow: sts_missed wraps modulo 2**32.
 
 library ieee;
@@ -28,7 +28,8 @@ end entity gc_tick;
 
 architecture rtl of gc_tick is
 
-  signal remaining : unsigned(31 downto 0) := (others => '0');
+  -- Clocks since the last tick, this one included.
+  signal elapsed : unsigned(31 downto 0) := to_unsigned(1, 32);
 
 begin
 
@@ -37,18 +38,18 @@ begin
 
     if rising_edge(clk) then
       out_valid <= '0';
-      remaining <= remaining - 1;
+      elapsed <= elapsed + 1;
       if cfg_enable = '0' then
-        remaining <= cfg_clocks;
-      elsif remaining <= 1 then
-        remaining <= cfg_clocks;
+        elapsed <= to_unsigned(1, 32);
+      elsif elapsed >= cfg_clocks then
+        elapsed <= to_unsigned(1, 32);
         out_valid <= '1';
       end if;
       if out_valid = '1' and in_ready = '0' then
         sts_missed <= sts_missed + 1;
       end if;
       if rst = '1' then
-        remaining <= cfg_clocks;
+        elapsed <= to_unsigned(1, 32);
         out_valid <= '0';
         sts_missed <= (others => '0');
       end if;

@@ -65,6 +65,30 @@ architecture rtl of gc_weight_rom is
 
   constant rom_c : words_t := lane_words;
 
+  constant address_bits_c : natural := tree_depth(steps_c);
+
+  -- Plus one, of gates: an adder's carry chain is slower than the five bits, and the ROM would hang on it.
+
+  function increment (
+    value : unsigned
+  ) return unsigned is
+
+    variable sum_v   : unsigned(value'range);
+    variable carry_v : std_ulogic := '1';
+
+  begin
+
+    for i in value'low to value'high loop
+
+      sum_v(i) := value(i) xor carry_v;
+      carry_v := carry_v and value(i);
+
+    end loop;
+
+    return sum_v;
+
+  end function increment;
+
 begin
 
   assert table_g'length = words_g * word_bits_g and words_g mod lanes_g = 0 and lane_g < lanes_g
@@ -78,26 +102,26 @@ begin
   end generate g_constant;
 
   g_rom : if steps_c > 1 generate
-    signal address : natural range 0 to depth_c - 1 := 0;
+    -- The next word: nothing but the ROM stands between two registers.
+    signal address : unsigned(address_bits_c - 1 downto 0) := to_unsigned(1, address_bits_c);
     signal word    : word_t := rom_c(0);
   begin
 
     p_rom : process (clk) is
-
-      variable next_v : natural range 0 to depth_c;
-
     begin
 
       if rising_edge(clk) then
-        next_v := address;
         if in_valid = '1' then
-          next_v := address + 1;
+          word <= rom_c(to_integer(address));
+          address <= increment(address);
+          if address = steps_c - 1 then
+            address <= (others => '0');
+          end if;
         end if;
-        if rst = '1' or next_v = steps_c then
-          next_v := 0;
+        if rst = '1' then
+          word <= rom_c(0);
+          address <= to_unsigned(1, address_bits_c);
         end if;
-        address <= next_v;
-        word <= rom_c(next_v);
       end if;
 
     end process p_rom;

@@ -16,6 +16,7 @@ install_packages() {
 }
 
 command -v ghdl >/dev/null || install_packages ghdl
+command -v cc >/dev/null || install_packages gcc libc6-dev
 command -v tclsh >/dev/null || install_packages tcl
 command -v iverilog >/dev/null || install_packages iverilog
 for program in "$@"; do command -v "$program" >/dev/null || install_packages "$program"; done

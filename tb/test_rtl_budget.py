@@ -37,7 +37,7 @@ def operations(watched: dict, n_outputs: int) -> Counter:
     """Operations that the core begins in this clock, by kind and layer."""
     count = Counter()
     for path, ports in watched.items():
-        layer = next(name for name in LAYERS if name in path)
+        layer = next((name for name in LAYERS if name in path), None)
         instance = path.rsplit("/", 1)[1]
         begins = ports["in_valid"].value == 1
         if instance == "i_multiply":

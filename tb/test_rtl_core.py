@@ -56,10 +56,11 @@ async def back_to_back(dut):
     clocks_per_s = (got.valid[-1] + 1) / (time.perf_counter() - began)
     assert_equal_to_model(got, counts)
     assert set(np.diff(got.accepted)) == {steps}
-    tree = int(np.ceil(np.log2(fixed.n_axes + 1))) + int(np.ceil(np.log2(lanes)))
-    scalers = 2 * fixed.n_axes if lanes == 1 else 0
+    bias = int(steps == 1)
+    trees = int(np.ceil(np.log2(fixed.n_axes + 1))) + int(np.ceil(np.log2(lanes + bias)))
+    scalers = 2 * fixed.n_axes - 1 if lanes == 1 else 0
     (latency,) = latencies(got)
-    assert latency == 14 + steps + tree + scalers
+    assert latency == 18 + steps - bias + trees + scalers
     measured = {"lanes": lanes, "interval": steps, "latency": latency, "simulated_clocks_per_s": round(clocks_per_s)}
     (BUILD / f"core-{fixed.n_axes}-{fixed.n_hidden}-{lanes}.json").write_text(json.dumps(measured))
 
@@ -73,6 +74,20 @@ async def random_gaps(dut):
     got = await stream(dut, inputs_of(counts), OUTPUTS, gap_probability=0.9, rng=rng)
     assert_equal_to_model(got, counts)
     assert len(set(np.diff(got.accepted))) > 3, "the gaps did not vary"
+
+
+@cocotb.test()
+async def ready_at_its_interval(dut):
+    """in_ready is low from each accepted input until the interval is over, and never else: neither late nor early."""
+    steps, rng = fixed_network().n_hidden // int(os.environ["LANES_G"]), np.random.default_rng(13)
+    await start(dut)
+    since_accepted = steps
+    for _ in range(40 * steps):
+        ready = int(dut.in_ready.value)
+        assert ready == (since_accepted >= steps)
+        dut.in_valid.value = offers = int(rng.random() < 0.3)
+        since_accepted = 1 if offers and ready else since_accepted + 1
+        await FallingEdge(dut.clk)
 
 
 @cocotb.test()

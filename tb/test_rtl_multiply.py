@@ -22,7 +22,6 @@ async def product_is_exact(dut):
     got = await stream(dut, inputs, ["out_product"], gap_probability=0.3, rng=rng)
     np.testing.assert_array_equal(unpack(got.outputs["out_product"], a_bits + b_bits, 1), a * b)
     assert latencies(got) == {2}
-    assert int(dut.out_product.value) == got.outputs["out_product"][-1], "the product did not hold"
 
 
 @cocotb.test()

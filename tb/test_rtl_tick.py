@@ -40,12 +40,23 @@ async def missed_ticks_are_counted(dut):
 
 
 @cocotb.test()
-async def new_period_counts_from_the_next_tick(dut):
-    clocks = np.where(np.arange(N_CLOCKS) < 105, 20, 6)
-    recorded = await play(dut, inputs(clocks), ["out_valid"])
-    ticks = np.flatnonzero(recorded["out_valid"])
-    steps = np.diff(ticks)
-    np.testing.assert_array_equal(steps, np.where(ticks[:-1] < 105, 20, 6))
+@cocotb.parametrize(change=range(99, 122, 2))
+async def new_period_counts_from_the_last_tick(dut, change):
+    """From 20 clocks to 6, at different times after the tick that is seen at clock 100."""
+    clocks = np.where(np.arange(N_CLOCKS) < change, 20, 6)
+    ticks = np.flatnonzero((await play(dut, inputs(clocks), ["out_valid"]))["out_valid"])
+    last = ticks[ticks <= change].max()
+    first = ticks[ticks > change].min()
+    assert last == (change // 20) * 20
+    assert first == max(last + 6, change + 1)
+    np.testing.assert_array_equal(np.diff(ticks[ticks >= first]), 6)
+
+
+@cocotb.test()
+async def period_that_comes_with_the_enable_counts(dut):
+    late = np.arange(N_CLOCKS) >= 30
+    recorded = await play(dut, inputs(np.where(late, 7, 4000), enable=late), ["out_valid"])
+    assert np.flatnonzero(recorded["out_valid"])[0] == 37
 
 
 @cocotb.test()

@@ -25,11 +25,11 @@ module gc_multiply_18_18 (
   end
 
   MULT18X18D #(
-    .REG_INPUTA_CLK("CLK0"), .REG_INPUTA_CE("CE0"),
-    .REG_INPUTB_CLK("CLK0"), .REG_INPUTB_CE("CE0"),
-    .REG_OUTPUT_CLK("CLK0"), .REG_OUTPUT_CE("CE1")
+    .REG_INPUTA_CLK("CLK0"),
+    .REG_INPUTB_CLK("CLK0"),
+    .REG_OUTPUT_CLK("CLK0")
   ) i_block (
-    .CLK0(clk), .CE0(in_valid), .CE1(valid_1), .RST0(1'b0),
+    .CLK0(clk), .CE0(1'b1), .RST0(1'b0),
     .SIGNEDA(1'b1), .SIGNEDB(1'b1), .SOURCEA(1'b0), .SOURCEB(1'b0),
     .A0(in_a[0]), .A1(in_a[1]), .A2(in_a[2]), .A3(in_a[3]), .A4(in_a[4]), .A5(in_a[5]),
     .A6(in_a[6]), .A7(in_a[7]), .A8(in_a[8]), .A9(in_a[9]), .A10(in_a[10]), .A11(in_a[11]),

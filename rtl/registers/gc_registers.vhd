@@ -120,6 +120,7 @@ architecture rtl of gc_registers is
         fault : std_logic;
         first_cause : std_logic;
         first_position : std_logic_array1(0 to 2);
+        control_now : std_logic;
         interrupt_enable : std_logic;
         interrupt_status : std_logic;
     end record;
@@ -981,6 +982,9 @@ begin
             is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#180# + i0*16#4#));
             is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#180# + i0*16#4#) and not cpuif_req_is_wr);
         end loop;
+        decoded_reg_strb.control_now <= cpuif_req_masked and (cpuif_addr = 16#190#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#190#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#190#) and not cpuif_req_is_wr);
         decoded_reg_strb.interrupt_enable <= cpuif_req_masked and (cpuif_addr = 16#1A0#);
         is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1A0#));
         is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1A0#));
@@ -2044,6 +2048,11 @@ begin
                 readback_data_var(31 downto 0) := rbuf_storage.first_position(i0).data;
             end if;
         end loop;
+        if rd_mux_addr = 16#190# then
+            readback_data_var(0) := hwif_in.control_now.enable.next_q;
+            readback_data_var(1) := hwif_in.control_now.tick_enable.next_q;
+            readback_data_var(6 downto 4) := hwif_in.control_now.home_enable.next_q;
+        end if;
         if rd_mux_addr = 16#1A0# then
             readback_data_var(0) := field_storage.interrupt_enable.result.value;
             readback_data_var(1) := field_storage.interrupt_enable.fault.value;

@@ -297,6 +297,24 @@ package gc_registers_pkg is
     end record;
     type \gc_registers.first_positionx_in_t_array\ is array(natural range <>) of \gc_registers.first_positionx_in_t\;
 
+    type \gc_registers.control_now.enable_in_t\ is record
+        next_q : std_logic;
+    end record;
+
+    type \gc_registers.control_now.tick_enable_in_t\ is record
+        next_q : std_logic;
+    end record;
+
+    type \gc_registers.control_now.home_enable_in_t\ is record
+        next_q : std_logic_vector(2 downto 0);
+    end record;
+
+    type \gc_registers.control_now_in_t\ is record
+        enable : \gc_registers.control_now.enable_in_t\;
+        tick_enable : \gc_registers.control_now.tick_enable_in_t\;
+        home_enable : \gc_registers.control_now.home_enable_in_t\;
+    end record;
+
     type \gc_registers.interrupt_status.result_in_t\ is record
         next_q : std_logic;
     end record;
@@ -336,6 +354,7 @@ package gc_registers_pkg is
         fault : \gc_registers.fault_in_t\;
         first_cause : \gc_registers.first_cause_in_t\;
         first_position : \gc_registers.first_positionx_in_t_array\(0 to 2);
+        control_now : \gc_registers.control_now_in_t\;
         interrupt_status : \gc_registers.interrupt_status_in_t\;
     end record;
 

@@ -39,6 +39,11 @@ class Netlist:
     json: Path
     verilog: Path
 
+    def port_bits(self) -> int:
+        """Bits of all ports of the top."""
+        ports = json.loads(self.json.read_text())["modules"][self.top]["ports"]
+        return sum(len(port["bits"]) for port in ports.values())
+
 
 def synthesise(
     verilog: Path, top: str, target: str, out: Path, *, mapping: Path | None = None, registered: bool = False

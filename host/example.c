@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Home the robot, release its brakes, print positions, forces and currents of a number of results.
+ *
+ * On a processor with the registers at BASE:   run_example(&memory_bus, 100);
+ */
+#include <stdio.h>
+
+#include "gravcomp.h"
+
+#ifdef BASE
+static uint32_t read_memory(void *context, uint32_t offset)
+{
+    return *(volatile uint32_t *)((uintptr_t)context + offset);
+}
+
+static void write_memory(void *context, uint32_t offset, uint32_t word)
+{
+    *(volatile uint32_t *)((uintptr_t)context + offset) = word;
+}
+
+const gravcomp_bus memory_bus = {read_memory, write_memory, (void *)BASE};
+#endif
+
+#define POLLS 100000u
+
+static void print_state(const gravcomp_state *state)
+{
+    printf("%6lu", (unsigned long)state->result_number);
+    for (int i = 0; i < GRAVCOMP_AXES; i++) {
+        printf("  q%d %8.3f mm %8.3f N %8.4f A", i + 1, state->position[i] / 1e3, state->force_mn[i] / 1e3,
+               state->command_ua[i] / 1e6);
+    }
+    printf("\n");
+}
+
+static int fail(const gravcomp_bus *bus, const char *what)
+{
+    gravcomp_state state;
+
+    gravcomp_read(bus, &state);
+    printf("%s: causes 0x%03lx, faults 0x%03lx, first 0x%03lx\n", what, (unsigned long)state.cause,
+           (unsigned long)state.fault, (unsigned long)state.first_cause);
+    return 1;
+}
+
+int run_example(const gravcomp_bus *bus, int n_results)
+{
+    gravcomp_identity identity;
+    gravcomp_settings settings = {
+        .index_position = {0, 0, 0},
+        .margin_counts = 2000,
+        .speed_max_counts_per_s = 500000,
+        .current_limit_ua = 4000000,
+        .current_slew_ua = 500000,
+        .tick_us = 100,
+        .saturation_us = 10000,
+        .watchdog_us = 20000,
+        .result_us = 1000,
+        .brake_us = 50,
+    };
+    gravcomp_state state = {0};
+
+    if (gravcomp_open(bus, &identity) != GRAVCOMP_OK) {
+        printf("no gravcomp core, or another version\n");
+        return 1;
+    }
+    printf("%u neurons, %u per clock, %lu Hz, weights %08lx\n", (unsigned)identity.hidden, (unsigned)identity.lanes,
+           (unsigned long)identity.clock_hz, (unsigned long)identity.weights_hash[0]);
+    settings.expected_weights = identity.weights_hash[0]; /* better: the constant that you have tested */
+    gravcomp_configure(bus, &identity, &settings);
+    if (gravcomp_home(bus, 7) != GRAVCOMP_OK || gravcomp_tick(bus, true) != GRAVCOMP_OK) {
+        return fail(bus, "the core's clock stands still");
+    }
+    for (uint32_t i = 0; i < POLLS && state.referenced != 7; i++) { /* move every axis over its index by hand */
+        gravcomp_read(bus, &state);
+    }
+    if (gravcomp_release(bus, POLLS) != GRAVCOMP_OK) {
+        return fail(bus, "brakes are not released");
+    }
+    for (int i = 0; i < n_results; i++) {
+        gravcomp_read(bus, &state);
+        print_state(&state);
+        gravcomp_kick(bus);
+        if (gravcomp_wait(bus, state.result_number, POLLS) != GRAVCOMP_OK) {
+            return fail(bus, "no result");
+        }
+    }
+    return gravcomp_stop(bus) == GRAVCOMP_OK ? 0 : 1;
+}

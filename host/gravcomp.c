@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT */
+#include "gravcomp.h"
+
+#include <stddef.h>
+
+#include "gravcomp_registers.h"
+
+#define OFFSET(name) ((uint32_t)offsetof(gc_registers_t, name))
+#define FIELD(word, name) (((word) & GC_REGISTERS__##name##_bm) >> GC_REGISTERS__##name##_bp)
+#define AXES(word, name) ((uint8_t)FIELD(word, AXIS_FLAGS__##name))
+
+static uint32_t read_word(const gravcomp_bus *bus, uint32_t offset)
+{
+    return bus->read(bus->context, offset);
+}
+
+static void write_word(const gravcomp_bus *bus, uint32_t offset, uint32_t word)
+{
+    bus->write(bus->context, offset, word);
+}
+
+static void read_words(const gravcomp_bus *bus, uint32_t offset, uint32_t *words, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        words[i] = read_word(bus, offset + 4 * i);
+    }
+}
+
+/* Two's complement, without a conversion that C leaves to the compiler. */
+static int32_t to_signed(uint32_t word)
+{
+    return word <= INT32_MAX ? (int32_t)word : -(int32_t)~word - 1;
+}
+
+static void read_axes(const gravcomp_bus *bus, uint32_t offset, int32_t *values)
+{
+    for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
+        values[i] = to_signed(read_word(bus, offset + 4 * i));
+    }
+}
+
+/* Returns once the core has it, so that no edge is lost on the way; a core without a clock is waited for in vain. */
+static gravcomp_result change_control(const gravcomp_bus *bus, uint32_t mask, uint32_t bits)
+{
+    uint32_t control = (read_word(bus, OFFSET(control)) & ~mask) | bits;
+
+    write_word(bus, OFFSET(control), control);
+    for (int i = 0; i < 1000; i++) {
+        if (read_word(bus, OFFSET(control_now)) == control) {
+            return GRAVCOMP_OK;
+        }
+    }
+    return GRAVCOMP_TIMEOUT;
+}
+
+static uint32_t clocks(const gravcomp_identity *identity, uint32_t us)
+{
+    uint64_t n = (uint64_t)us * identity->clock_hz / 1000000u;
+
+    return n > UINT32_MAX ? UINT32_MAX : (uint32_t)n;
+}
+
+static uint32_t period_min(const gravcomp_identity *identity, uint32_t counts_per_s)
+{
+    uint64_t n = counts_per_s ? 4u * (uint64_t)identity->clock_hz / counts_per_s : INT32_MAX;
+
+    return n > INT32_MAX ? INT32_MAX : (uint32_t)n;
+}
+
+gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identity)
+{
+    uint32_t version = 0;
+    uint32_t geometry = 0;
+
+    if (read_word(bus, OFFSET(id)) != GC_REGISTERS__ID__VALUE_reset) {
+        return GRAVCOMP_NOT_FOUND;
+    }
+    version = read_word(bus, OFFSET(version));
+    geometry = read_word(bus, OFFSET(geometry));
+    if (FIELD(version, VERSION__MAJOR) != GC_REGISTERS__VERSION__MAJOR_reset
+        || FIELD(version, VERSION__MINOR) != GC_REGISTERS__VERSION__MINOR_reset) {
+        return GRAVCOMP_WRONG_VERSION;
+    }
+    identity->hidden = (uint8_t)FIELD(geometry, GEOMETRY__HIDDEN);
+    identity->lanes = (uint8_t)FIELD(geometry, GEOMETRY__LANES);
+    identity->clock_hz = read_word(bus, OFFSET(clock_hz));
+    read_words(bus, OFFSET(weights_hash), identity->weights_hash, 8);
+    read_words(bus, OFFSET(compensation_hash), identity->compensation_hash, 8);
+    read_axes(bus, OFFSET(trained_low), identity->trained_low);
+    read_axes(bus, OFFSET(trained_high), identity->trained_high);
+    return GRAVCOMP_OK;
+}
+
+void gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity, const gravcomp_settings *settings)
+{
+    write_word(bus, OFFSET(expected_weights), settings->expected_weights);
+    write_word(bus, OFFSET(tick_clocks), clocks(identity, settings->tick_us));
+    write_word(bus, OFFSET(current_limit_ua), settings->current_limit_ua);
+    write_word(bus, OFFSET(current_slew_ua), settings->current_slew_ua);
+    write_word(bus, OFFSET(period_min_clocks), period_min(identity, settings->speed_max_counts_per_s));
+    write_word(bus, OFFSET(saturation_clocks), clocks(identity, settings->saturation_us));
+    write_word(bus, OFFSET(watchdog_clocks), clocks(identity, settings->watchdog_us));
+    write_word(bus, OFFSET(result_clocks), clocks(identity, settings->result_us));
+    write_word(bus, OFFSET(brake_clocks), clocks(identity, settings->brake_us));
+    for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
+        uint32_t low = (uint32_t)identity->trained_low[i] - settings->margin_counts;
+        uint32_t high = (uint32_t)identity->trained_high[i] + settings->margin_counts;
+
+        write_word(bus, OFFSET(index_position) + 4 * i, (uint32_t)settings->index_position[i]);
+        write_word(bus, OFFSET(window_low) + 4 * i, low);
+        write_word(bus, OFFSET(window_high) + 4 * i, high);
+    }
+}
+
+gravcomp_result gravcomp_home(const gravcomp_bus *bus, uint8_t axes)
+{
+    uint32_t mask = GC_REGISTERS__CONTROL__HOME_ENABLE_bm;
+
+    if (change_control(bus, mask, 0) != GRAVCOMP_OK) {
+        return GRAVCOMP_TIMEOUT;
+    }
+    return change_control(bus, mask, ((uint32_t)axes << GC_REGISTERS__CONTROL__HOME_ENABLE_bp) & mask);
+}
+
+void gravcomp_start(const gravcomp_bus *bus)
+{
+    write_word(bus, OFFSET(command), GC_REGISTERS__COMMAND__START_bm);
+}
+
+gravcomp_result gravcomp_tick(const gravcomp_bus *bus, bool is_on)
+{
+    uint32_t mask = GC_REGISTERS__CONTROL__TICK_ENABLE_bm;
+
+    return change_control(bus, mask, is_on ? mask : 0);
+}
+
+gravcomp_result gravcomp_wait(const gravcomp_bus *bus, uint32_t number, uint32_t polls)
+{
+    for (uint32_t i = 0; i < polls; i++) {
+        if (read_word(bus, OFFSET(result_number)) != number) {
+            return GRAVCOMP_OK;
+        }
+    }
+    return GRAVCOMP_TIMEOUT;
+}
+
+/* The state of the brakes and the causes present, a kick after each other. */
+static gravcomp_brakes poll_brakes(const gravcomp_bus *bus, uint32_t *cause)
+{
+    uint32_t status = 0;
+
+    gravcomp_kick(bus);
+    (void)read_word(bus, OFFSET(result_number)); /* freezes both */
+    status = read_word(bus, OFFSET(status));
+    *cause = read_word(bus, OFFSET(cause));
+    return (gravcomp_brakes)FIELD(status, STATUS__STATE);
+}
+
+gravcomp_result gravcomp_release(const gravcomp_bus *bus, uint32_t polls)
+{
+    uint32_t cause = 0;
+    gravcomp_brakes brakes = GRAVCOMP_FAULTED;
+    gravcomp_result result = gravcomp_stop(bus);
+
+    while (result == GRAVCOMP_OK && (brakes != GRAVCOMP_BRAKED || cause != 0)) {
+        if (polls-- == 0) {
+            return cause != 0 ? GRAVCOMP_FAULT : GRAVCOMP_TIMEOUT;
+        }
+        brakes = poll_brakes(bus, &cause);
+        if (brakes == GRAVCOMP_FAULTED && cause == 0) {
+            write_word(bus, OFFSET(command), GC_REGISTERS__COMMAND__CLEAR_FAULT_bm);
+        }
+    }
+    if (result == GRAVCOMP_OK) {
+        result = change_control(bus, GC_REGISTERS__CONTROL__ENABLE_bm, GC_REGISTERS__CONTROL__ENABLE_bm);
+    }
+    while (result == GRAVCOMP_OK && brakes != GRAVCOMP_RUN) {
+        if (polls-- == 0) {
+            return GRAVCOMP_TIMEOUT;
+        }
+        brakes = poll_brakes(bus, &cause);
+        if (brakes == GRAVCOMP_FAULTED) {
+            return GRAVCOMP_FAULT;
+        }
+    }
+    return result;
+}
+
+gravcomp_result gravcomp_stop(const gravcomp_bus *bus)
+{
+    return change_control(bus, GC_REGISTERS__CONTROL__ENABLE_bm, 0);
+}
+
+void gravcomp_kick(const gravcomp_bus *bus)
+{
+    write_word(bus, OFFSET(command), GC_REGISTERS__COMMAND__KICK_bm);
+}
+
+void gravcomp_clear_encoders(const gravcomp_bus *bus)
+{
+    write_word(bus, OFFSET(command), GC_REGISTERS__COMMAND__CLEAR_ENCODER_bm);
+}
+
+static void unpack_flags(uint32_t status, uint32_t flags, gravcomp_state *state)
+{
+    state->brakes = (uint8_t)FIELD(status, STATUS__STATE);
+    state->released = (uint8_t)FIELD(status, STATUS__RELEASED);
+    state->run = (uint8_t)FIELD(status, STATUS__RUN);
+    state->busy = (uint8_t)FIELD(status, STATUS__BUSY);
+    state->clamped = AXES(flags, CLAMPED);
+    state->saturated = AXES(flags, SATURATED);
+    state->limited = AXES(flags, LIMITED);
+    state->settled = AXES(flags, SETTLED);
+    state->referenced = AXES(flags, REFERENCED);
+    state->illegal = AXES(flags, ILLEGAL);
+    state->glitch = AXES(flags, GLITCH);
+    state->speed_valid = AXES(flags, SPEED_VALID);
+    state->speed_zero = AXES(flags, SPEED_ZERO);
+}
+
+void gravcomp_read(const gravcomp_bus *bus, gravcomp_state *state)
+{
+    uint32_t status = 0;
+    uint32_t flags = 0;
+
+    state->result_number = read_word(bus, OFFSET(result_number)); /* freezes the rest */
+    state->missed_ticks = read_word(bus, OFFSET(missed_ticks));
+    status = read_word(bus, OFFSET(status));
+    flags = read_word(bus, OFFSET(axis_flags));
+    unpack_flags(status, flags, state);
+    read_axes(bus, OFFSET(position), state->position);
+    read_axes(bus, OFFSET(speed_period), state->speed_period);
+    read_axes(bus, OFFSET(force_mn), state->force_mn);
+    read_axes(bus, OFFSET(current_ua), state->current_ua);
+    read_axes(bus, OFFSET(command_ua), state->command_ua);
+    read_axes(bus, OFFSET(position_now), state->position_now);
+    state->cause = read_word(bus, OFFSET(cause));
+    state->fault = read_word(bus, OFFSET(fault));
+    state->first_cause = read_word(bus, OFFSET(first_cause));
+    read_axes(bus, OFFSET(first_position), state->first_position);
+}
+
+void gravcomp_interrupt_on(const gravcomp_bus *bus, uint32_t events)
+{
+    write_word(bus, OFFSET(interrupt_enable), events);
+}
+
+uint32_t gravcomp_interrupts(const gravcomp_bus *bus)
+{
+    uint32_t events = read_word(bus, OFFSET(interrupt_status));
+
+    write_word(bus, OFFSET(interrupt_status), events);
+    return events;
+}

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Driver of gc_system: C99, no calls of an operating system, no memory but the caller's.
+ *
+ * Offsets are bytes from the base of the registers; arrays hold axis 1 first. Not for use from two threads at once.
+ */
+#ifndef GRAVCOMP_H
+#define GRAVCOMP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define GRAVCOMP_AXES 3
+
+/* Access to one 32-bit register; context is handed through. */
+typedef struct {
+    uint32_t (*read)(void *context, uint32_t offset);
+    void (*write)(void *context, uint32_t offset, uint32_t word);
+    void *context;
+} gravcomp_bus;
+
+typedef enum {
+    GRAVCOMP_OK,
+    GRAVCOMP_NOT_FOUND,     /* no gravcomp core at this address */
+    GRAVCOMP_WRONG_VERSION, /* registers of another version than this driver's */
+    GRAVCOMP_TIMEOUT,       /* not within the polls allowed */
+    GRAVCOMP_FAULT          /* stopped by a fault, see gravcomp_state.fault */
+} gravcomp_result;
+
+/* What does not change. */
+typedef struct {
+    uint8_t hidden;                               /* neurons */
+    uint8_t lanes;                                /* neurons per clock */
+    uint32_t clock_hz;                            /* of the core */
+    uint32_t weights_hash[8];                     /* SHA-256 of the weights, first bytes in word 0 */
+    uint32_t compensation_hash[8];                /* SHA-256 of the compensator's constants */
+    int32_t trained_low[GRAVCOMP_AXES];           /* counts */
+    int32_t trained_high[GRAVCOMP_AXES];          /* counts */
+} gravcomp_identity;
+
+typedef struct {
+    uint32_t expected_weights;                    /* first word of the hash of the weights that the host means */
+    int32_t index_position[GRAVCOMP_AXES];        /* counts at the index */
+    uint32_t margin_counts;                       /* allowed beyond the trained range */
+    uint32_t speed_max_counts_per_s;
+    uint32_t current_limit_ua;
+    uint32_t current_slew_ua;                     /* per result */
+    uint32_t tick_us;
+    uint32_t saturation_us;                       /* longest time saturated or clamped */
+    uint32_t watchdog_us;                         /* longest time from kick to kick */
+    uint32_t result_us;                           /* longest time from result to result */
+    uint32_t brake_us;                            /* for a brake to close and for the motors to take the load */
+} gravcomp_settings;
+
+typedef enum {
+    GRAVCOMP_BRAKED = 0,
+    GRAVCOMP_HOLDING = 3,
+    GRAVCOMP_RUN = 5,
+    GRAVCOMP_FAULTED = 6
+} gravcomp_brakes;
+
+/* All of one clock. Sets of axes have axis 1 in bit 0; causes are bits as in GC_REGISTERS__FAULT__*. */
+typedef struct {
+    uint32_t result_number;                       /* results since reset */
+    uint32_t missed_ticks;                        /* ticks that found an inference under way */
+    uint8_t brakes;                               /* a gravcomp_brakes */
+    uint8_t released;                             /* axes whose brake is released */
+    uint8_t run;                                  /* commands are not forced to zero */
+    uint8_t busy;                                 /* an inference is under way */
+    uint8_t clamped;                              /* axes: result from a clamped count */
+    uint8_t saturated;                            /* axes: force saturated */
+    uint8_t limited;                              /* axes: command limited in magnitude */
+    uint8_t settled;                              /* axes: command is the one asked for */
+    uint8_t referenced;                           /* axes: count refers to the index */
+    uint8_t illegal;                              /* axes: encoder lost counts */
+    uint8_t glitch;                               /* axes: encoder filter dropped a pulse */
+    uint8_t speed_valid;                          /* axes: speed is known */
+    uint8_t speed_zero;                           /* axes: at rest */
+    int32_t position[GRAVCOMP_AXES];              /* counts that the result comes from */
+    int32_t speed_period[GRAVCOMP_AXES];          /* clocks per four counts there, negative downwards */
+    int32_t force_mn[GRAVCOMP_AXES];
+    int32_t current_ua[GRAVCOMP_AXES];            /* asked for */
+    int32_t command_ua[GRAVCOMP_AXES];            /* as the drives get it */
+    int32_t position_now[GRAVCOMP_AXES];          /* counts */
+    uint32_t cause;                               /* present now */
+    uint32_t fault;                               /* since cleared */
+    uint32_t first_cause;
+    int32_t first_position[GRAVCOMP_AXES];        /* counts at the first fault */
+} gravcomp_state;
+
+/* Interrupts, to be combined. */
+#define GRAVCOMP_ON_RESULT 1u
+#define GRAVCOMP_ON_FAULT 2u
+#define GRAVCOMP_ON_MISSED_TICK 4u
+
+/* Check that the core is there and read who it is. */
+gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identity);
+
+/* Write limits and times; those of speed and time become clocks, rounded down. */
+void gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity, const gravcomp_settings *settings);
+
+/* Arm homing of these axes, disarm it of the others: each is referenced once it passes its index. */
+gravcomp_result gravcomp_home(const gravcomp_bus *bus, uint8_t axes);
+
+/* Start one inference; the tick starts them periodically. */
+void gravcomp_start(const gravcomp_bus *bus);
+gravcomp_result gravcomp_tick(const gravcomp_bus *bus, bool is_on);
+
+/* Wait until there are more results than number, reading at most `polls` times. */
+gravcomp_result gravcomp_wait(const gravcomp_bus *bus, uint32_t number, uint32_t polls);
+
+/* Clear faults and release the brakes: needs referenced axes and a running tick. Kicks the watchdog at every poll. */
+gravcomp_result gravcomp_release(const gravcomp_bus *bus, uint32_t polls);
+
+/* Engage the brakes; the commands follow when they have closed. */
+gravcomp_result gravcomp_stop(const gravcomp_bus *bus);
+
+/* The host is alive. */
+void gravcomp_kick(const gravcomp_bus *bus);
+
+/* Forget lost counts and glitches. */
+void gravcomp_clear_encoders(const gravcomp_bus *bus);
+
+/* Everything as of one clock; never a mixture of two results. */
+void gravcomp_read(const gravcomp_bus *bus, gravcomp_state *state);
+
+/* Choose what interrupts; read and clear what did. */
+void gravcomp_interrupt_on(const gravcomp_bus *bus, uint32_t events);
+uint32_t gravcomp_interrupts(const gravcomp_bus *bus);
+
+#endif

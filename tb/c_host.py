@@ -1,0 +1,127 @@
+"""host/gravcomp.c as a shared library, with the methods of its Python twin."""
+
+import ctypes
+import subprocess
+from dataclasses import fields
+from pathlib import Path
+
+from codes import ROOT
+from gravcomp.system.host import AXES, Bus, Identity, Result, Settings, State
+
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+SOURCES = ("gravcomp.c", "example.c")
+
+READ = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)
+WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)
+
+
+class CBus(ctypes.Structure):
+    """gravcomp_bus."""
+
+    _fields_ = (("read", READ), ("write", WRITE), ("context", ctypes.c_void_p))
+
+
+def _struct(name: str, twin: type, arrays: dict, types: dict, default: type) -> type:
+    """The C struct with the fields of a dataclass, in their order."""
+    members = []
+    for field in fields(twin):
+        kind = types.get(field.name, default)
+        members.append((field.name, kind * arrays[field.name] if field.name in arrays else kind))
+    return type(name, (ctypes.Structure,), {"_fields_": members})
+
+
+_U8, _U32, _I32 = ctypes.c_uint8, ctypes.c_uint32, ctypes.c_int32
+_AXES = {field.name: AXES for field in fields(State) if field.type == tuple[int, ...]}
+_WORDS = ("result_number", "missed_ticks", "cause", "fault", "first_cause")
+CState = _struct("CState", State, _AXES, dict.fromkeys(_AXES, _I32) | dict.fromkeys(_WORDS, _U32), _U8)
+CSettings = _struct("CSettings", Settings, {"index_position": AXES}, {"index_position": _I32}, _U32)
+CIdentity = _struct(
+    "CIdentity",
+    Identity,
+    {"weights_hash": 8, "compensation_hash": 8, "trained_low": AXES, "trained_high": AXES},
+    {"hidden": _U8, "lanes": _U8, "trained_low": _I32, "trained_high": _I32},
+    _U32,
+)
+
+
+def compile_host(folder: Path, *options: str) -> Path:
+    """Compile driver and example, every warning an error, to a shared library in folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    library = folder / "libgravcomp.so"
+    sources = [ROOT / "host" / name for name in SOURCES]
+    subprocess.run(["cc", *STRICT, *options, "-shared", "-fPIC", "-o", library, *sources], check=True)
+    return library
+
+
+def _plain(struct: ctypes.Structure, twin: type):
+    """The dataclass with the values of its struct."""
+    values = {name: getattr(struct, name) for name, *_ in struct._fields_}
+    return twin(**{name: tuple(v) if isinstance(v, ctypes.Array) else v for name, v in values.items()})
+
+
+class CHost:
+    """gravcomp.system.host.Host, computed by the C driver."""
+
+    def __init__(self, library: Path, bus: Bus):
+        self._c = ctypes.CDLL(str(library))
+        # Kept: ctypes forgets callbacks that nothing refers to.
+        self._callbacks = READ(lambda _, offset: bus.read(offset)), WRITE(lambda _, o, word: bus.write(o, word))
+        self._bus = CBus(*self._callbacks, None)
+
+    def open(self) -> tuple[Result, Identity | None]:
+        self._identity = CIdentity()
+        result = self._call("open", ctypes.byref(self._identity))
+        return result, _plain(self._identity, Identity) if result == Result.OK else None
+
+    def configure(self, identity: Identity, settings: Settings) -> None:
+        values = {field.name: getattr(settings, field.name) for field in fields(Settings)}
+        values["index_position"] = (_I32 * AXES)(*settings.index_position)
+        self._c.gravcomp_configure(
+            ctypes.byref(self._bus), ctypes.byref(self._identity), ctypes.byref(CSettings(**values))
+        )
+
+    def home(self, axes: int) -> Result:
+        return self._call("home", ctypes.c_uint8(axes))
+
+    def start(self) -> None:
+        self._c.gravcomp_start(ctypes.byref(self._bus))
+
+    def tick(self, is_on: bool) -> Result:
+        return self._call("tick", ctypes.c_bool(is_on))
+
+    def wait(self, number: int, polls: int) -> Result:
+        return self._call("wait", _U32(number), _U32(polls))
+
+    def release(self, polls: int) -> Result:
+        return self._call("release", _U32(polls))
+
+    def stop(self) -> Result:
+        return self._call("stop")
+
+    def kick(self) -> None:
+        self._c.gravcomp_kick(ctypes.byref(self._bus))
+
+    def clear_encoders(self) -> None:
+        self._c.gravcomp_clear_encoders(ctypes.byref(self._bus))
+
+    def read(self) -> State:
+        state = CState()
+        self._c.gravcomp_read(ctypes.byref(self._bus), ctypes.byref(state))
+        return _plain(state, State)
+
+    def interrupt_on(self, events: int) -> None:
+        self._c.gravcomp_interrupt_on(ctypes.byref(self._bus), _U32(events))
+
+    def interrupts(self) -> int:
+        function = self._c.gravcomp_interrupts
+        function.restype = _U32
+        return function(ctypes.byref(self._bus))
+
+    def run_example(self, n_results: int) -> int:
+        """host/example.c on this bus: its exit code; it prints to the C library's standard output."""
+        code = self._c.run_example(ctypes.byref(self._bus), ctypes.c_int(n_results))
+        self._c.fflush(None)
+        return code
+
+    def _call(self, name: str, *arguments) -> Result:
+        return Result(getattr(self._c, f"gravcomp_{name}")(ctypes.byref(self._bus), *arguments))

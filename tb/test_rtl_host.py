@@ -1,0 +1,208 @@
+"""The drivers in C and Python against the simulated core: the same calls give the same answers, write for write."""
+
+import os
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.task import bridge, resume
+
+from c_host import CHost, compile_host
+from codes import fixed_network, pack, weights_under_test
+from gravcomp.network import bittrue
+from gravcomp.network.quantise import COUNT_BITS
+from gravcomp.network.weights import weights_hash
+from gravcomp.system.host import Brakes, Event, Host, Result, Settings, State
+from runner import BENCHES, BUILD, simulate
+from test_rtl_system import System
+
+INDEX = np.array([2002, -3002, 4002])
+POSES = [(2042, -3001, 4002), (1990, -3042, 3961), (2002, -3002, 4002)]
+POLLS = 300
+SPEED_TIMEOUT = 100  # clocks to standstill
+SETTINGS = Settings(
+    expected_weights=int(weights_hash(weights_under_test())[:8], 16),
+    index_position=tuple(INDEX.tolist()),
+    margin_counts=100,
+    speed_max_counts_per_s=15_000_000,
+    current_limit_ua=1_000_000,
+    current_slew_ua=400_000,
+    tick_us=3,
+    saturation_us=200,
+    watchdog_us=60,
+    result_us=200,
+    brake_us=1,
+)
+
+
+class SimulatedBus:
+    """Blocking accesses for code that runs in cocotb.bridge, and a record of them."""
+
+    def __init__(self, registers):
+        self.read_at, self.write_at = resume(registers.read_at), resume(registers.write_at)
+        self.written = []
+
+    def read(self, offset: int) -> int:
+        return self.read_at(offset)
+
+    def write(self, offset: int, word: int) -> None:
+        self.written.append((offset, word))
+        self.write_at(offset, word)
+
+
+class Robot:
+    """What the world does to the core, blocking."""
+
+    def __init__(self, system: System):
+        self.system = system
+        self.walk_to = resume(system.walk_to)
+        self.wait = resume(system.clocks)
+        self.load = resume(self._load)
+
+    async def _load(self) -> None:
+        dut = self.system.dut
+        await self.system.clocks(1)
+        dut.index_count.value = dut.target.value = pack(INDEX, COUNT_BITS)
+        dut.load.value = 1
+        await self.system.clocks(1)
+        dut.load.value = 0
+        await self.system.clocks(60)
+
+    def stop(self, is_pressed: bool) -> None:
+        """Press the emergency stop, or let it go."""
+        self.system.dut.estop_n.value = int(not is_pressed)
+        self.wait(40)
+
+
+def session(host: Host | CHost, robot: Robot) -> list:
+    """All functions of the driver; returns what they returned."""
+    answers = [host.open()]
+    host.configure(answers[0][1], SETTINGS)
+    answers.append(host.release(3))  # not homed: refused
+    answers.append(host.home(7))
+    robot.load()
+    robot.walk_to(INDEX)
+    host.clear_encoders()
+    host.interrupts()
+    host.interrupt_on(Event.RESULT)
+    for number, pose in enumerate(POSES):
+        robot.walk_to(pose)
+        robot.wait(2 * SPEED_TIMEOUT)
+        host.start()
+        answers += [host.wait(number, POLLS), host.interrupts(), host.read()]
+    answers += [host.wait(len(POSES), 2), host.tick(True), host.release(POLLS), settled(host)]
+    robot.stop(True)
+    answers += [unnumbered(host.read()), host.release(3), host.interrupts() & Event.FAULT]
+    robot.stop(False)
+    answers += [host.release(POLLS), settled(host), host.stop()]
+    robot.wait(400)
+    answers += [unnumbered(host.read()), host.tick(False)]
+    return answers
+
+
+def settled(host: Host | CHost) -> State:
+    """The state once no command is under way."""
+    for _ in range(10):
+        host.kick()
+        state = host.read()
+    return unnumbered(state)
+
+
+def unnumbered(state: State) -> State:
+    """Without what depends on when the host reads."""
+    return replace(state, result_number=0, missed_ticks=0, busy=0)
+
+
+@cocotb.test()
+async def same_answers(dut):
+    answers, written = {}, {}
+    for name in ("C", "Python"):
+        system = System(dut)
+        await system.start(axi_mhz=33.3)
+        bus, robot = SimulatedBus(system.registers), Robot(system)
+        host = CHost(Path(os.environ["LIBRARY"]), bus) if name == "C" else Host(bus)
+        answers[name] = await bridge(session)(host, robot)
+        written[name] = bus.written
+    for c, python in zip(answers["C"], answers["Python"], strict=True):
+        assert c == python
+    assert written["C"][:30] == written["Python"][:30]
+    check(answers["C"])
+
+
+def check(answers: list) -> None:
+    """The answers are the right ones, not only the same ones."""
+    results = [answer for answer in answers if isinstance(answer, Result)]
+    ok, fault = Result.OK, Result.FAULT
+    assert results == [fault, ok, ok, ok, ok, Result.TIMEOUT, ok, ok, fault, ok, ok, ok]
+    states = [answer for answer in answers if isinstance(answer, State)]
+    fixed = fixed_network()
+    for state, pose in zip(states[:3], POSES, strict=True):
+        force_mn = bittrue.core(np.array(pose), fixed).force_mn
+        assert (state.position, state.position_now, state.referenced) == (pose, pose, 7)
+        np.testing.assert_array_equal(state.force_mn, force_mn)
+        np.testing.assert_array_equal(state.current_ua, bittrue.current_scaler(force_mn, fixed))
+    released, stopped, again, braked = states[3:]
+    assert (released.brakes, released.released, released.run) == (Brakes.RUN, 7, 1)
+    np.testing.assert_array_equal(released.command_ua, np.minimum(released.current_ua, SETTINGS.current_limit_ua))
+    assert released.limited == sum((c > SETTINGS.current_limit_ua) << i for i, c in enumerate(released.current_ua))
+    assert (stopped.brakes, stopped.released, stopped.fault & 1, stopped.first_cause) == (Brakes.FAULTED, 0, 1, 1)
+    assert stopped.command_ua == (0, 0, 0)
+    assert stopped.first_position == POSES[-1]
+    assert again == replace(released, first_cause=again.first_cause, first_position=again.first_position)
+    assert (braked.brakes, braked.released, braked.command_ua) == (Brakes.BRAKED, 0, (0, 0, 0))
+
+
+@cocotb.test()
+async def example(dut):
+    system = System(dut)
+    await system.start(axi_mhz=40)
+    host = CHost(Path(os.environ["LIBRARY"]), SimulatedBus(system.registers))
+
+    dut.index_count.value = pack([2, 2, 2], COUNT_BITS)  # two counts before the end of the walk
+
+    async def move_over_the_index():
+        while int(dut.i_system.i_controller.in_settings.value) >> 4 & 7 != 7:
+            await system.clocks(10)
+        await system.walk_to(np.array([8, 8, 8]))
+        await system.walk_to(np.array([4, 4, 4]))
+
+    cocotb.start_soon(move_over_the_index())
+    assert await bridge(host.run_example)(2) == 0
+
+
+def simulate_host(cocotb_test: str) -> None:
+    library = compile_host(BUILD / "host" / cocotb_test)
+    simulate(
+        "gc_system_bench",
+        "test_rtl_host",
+        tests=rf"\.{cocotb_test}(/|$)",
+        label=cocotb_test,
+        generics={"lanes_g": 4, "speed_timeout_g": SPEED_TIMEOUT},
+        environment={"LIBRARY": str(library)},
+        extra_sources=tuple(BENCHES / f"{name}.vhd" for name in ("gc_encoder_model", "gc_system_bench")),
+    )
+
+
+@pytest.mark.slow
+def test_host_in_c_and_its_python_twin_give_the_same_answers():
+    simulate_host("same_answers")
+
+
+@pytest.mark.slow
+def test_host_example_homes_releases_and_prints_forces():
+    simulate_host("example")
+    log = next(BUILD.glob("tb/test_rtl_host-example*/run.log")).read_text()
+    lines = [line for line in log.splitlines() if " N " in line]
+    position = [2] * 3
+    force_n = bittrue.core(np.array(position), fixed_network()).force_mn / 1e3
+    for line in lines:
+        assert [float(text) for text in re.findall(r"q\d +([-.\d]+) mm", line)] == [0.002] * 3
+        np.testing.assert_allclose([float(text) for text in re.findall(r"([-.\d]+) N", line)], force_n, atol=1e-9)
+    assert len(lines) == 2
+
+
+def test_host_compiles_as_c99_with_every_warning_an_error(tmp_path):
+    assert compile_host(tmp_path, "-O2", "-DBASE=0x40000000").exists()
