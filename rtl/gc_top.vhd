@@ -3,8 +3,8 @@
 -- Encoder pins in, force and current commands out: one decoder per axis, the network, the compensator, currents
 -- i = f / K_t.
 --
--- Latency from accepted in_valid to out_valid: that of gc_core and 16 clocks; from a pin to the count: see
--- gc_quad_decoder. Overflow and illegal input: see the status ports; none is silent.
+-- Latency from accepted in_valid to out_valid: those of gc_core, gc_compensator and gc_current_scaler and 1 clock; from
+-- a pin to the count: see gc_quad_decoder. Overflow and illegal input: see the status ports; none is silent.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -64,6 +64,10 @@ end entity gc_top;
 
 architecture rtl of gc_top is
 
+  -- Latencies of gc_compensator and gc_current_scaler, clocks.
+  constant compensator_clocks_c : positive := 12;
+  constant scaler_clocks_c      : positive := 3;
+
   signal count         : signed(inputs_c * count_bits_c - 1 downto 0);
   signal count_valid   : std_ulogic_vector(inputs_c - 1 downto 0);
   signal counts_valid  : std_ulogic;
@@ -75,14 +79,14 @@ architecture rtl of gc_top is
   signal force_mn      : signed(outputs_c * force_bits_c - 1 downto 0);
   signal clamped       : std_ulogic_vector(inputs_c - 1 downto 0);
   signal saturated     : std_ulogic_vector(outputs_c - 1 downto 0);
-  -- Flags of the core for the twelve clocks of the compensator.
+  -- Flags of the core, to wait for the compensator.
   signal flags         : std_ulogic_vector(inputs_c + outputs_c - 1 downto 0);
-  signal flags_12      : std_ulogic_vector(inputs_c + outputs_c - 1 downto 0);
+  signal flags_waited  : std_ulogic_vector(inputs_c + outputs_c - 1 downto 0);
   signal force_valid   : std_ulogic;
   signal unfit         : std_ulogic_vector(outputs_c - 1 downto 0);
-  -- Results for the three clocks of the current scaler.
+  -- Results, to wait for the current scaler.
   signal result        : std_ulogic_vector(force_mn'length + inputs_c + outputs_c - 1 downto 0);
-  signal result_3      : std_ulogic_vector(force_mn'length + inputs_c + outputs_c - 1 downto 0);
+  signal result_waited : std_ulogic_vector(force_mn'length + inputs_c + outputs_c - 1 downto 0);
   signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
   signal current_valid : std_ulogic;
   signal valid         : std_ulogic := '0';
@@ -160,12 +164,12 @@ begin
   i_flags : entity work.gc_delay
     generic map (
       bits_g   => flags'length,
-      clocks_g => 12
+      clocks_g => compensator_clocks_c
     )
     port map (
       clk      => clk,
       in_data  => flags,
-      out_data => flags_12
+      out_data => flags_waited
     );
 
   i_compensator : entity work.gc_compensator
@@ -191,18 +195,18 @@ begin
       out_current => current
     );
 
-  result <= std_ulogic_vector(force_mn) & flags_12(flags_12'high downto outputs_c)
-            & (flags_12(outputs_c - 1 downto 0) or unfit);
+  result <= std_ulogic_vector(force_mn) & flags_waited(flags_waited'high downto outputs_c)
+            & (flags_waited(outputs_c - 1 downto 0) or unfit);
 
   i_result : entity work.gc_delay
     generic map (
       bits_g   => result'length,
-      clocks_g => 3
+      clocks_g => scaler_clocks_c
     )
     port map (
       clk      => clk,
       in_data  => result,
-      out_data => result_3
+      out_data => result_waited
     );
 
   -- Commands hold between results: a drive never sees what is under way.
@@ -213,9 +217,9 @@ begin
       valid <= current_valid;
       if current_valid = '1' then
         out_current <= current;
-        out_force <= signed(result_3(result_3'high downto inputs_c + outputs_c));
-        out_clamped <= result_3(inputs_c + outputs_c - 1 downto outputs_c);
-        out_saturated <= result_3(outputs_c - 1 downto 0);
+        out_force <= signed(result_waited(result_waited'high downto inputs_c + outputs_c));
+        out_clamped <= result_waited(inputs_c + outputs_c - 1 downto outputs_c);
+        out_saturated <= result_waited(outputs_c - 1 downto 0);
       end if;
       if rst = '1' then
         valid <= '0';

@@ -1,6 +1,7 @@
 """Integer codes to and from packed ports: value 0 lowest, two's complement."""
 
 import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -30,6 +31,11 @@ def fixed_compensation() -> FixedCompensation:
     folder = weights_under_test()
     constants = load_compensation(folder, fixed_network().n_axes)
     return quantise_compensation(constants, load_parameters(), folder)
+
+
+def vhdl_constant(entity: str, name: str) -> int:
+    """A numeric constant of an entity's source."""
+    return int(re.search(rf"constant {name} *: positive := (\d+);", (ROOT / "rtl" / f"{entity}.vhd").read_text())[1])
 
 
 def pack(values: Iterable[int], bits: int) -> int:

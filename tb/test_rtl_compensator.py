@@ -7,7 +7,7 @@ import cocotb
 import numpy as np
 import pytest
 
-from codes import ROOT, corners_and_random, fixed_network, pack, unpack
+from codes import ROOT, corners_and_random, fixed_network, pack, unpack, vhdl_constant
 from compensated import CSV, N_AXES, compensated_weights, constants, draw_periods
 from gravcomp.network import bittrue
 from gravcomp.network.compensation import compensator, friction
@@ -17,7 +17,7 @@ from stream import latencies, start, stream
 from test_rtl_top import CLOCKS_PER_EDGE, Bench
 
 OUTPUTS = ["out_force", "out_saturated"]
-LATENCY = 12
+LATENCY = vhdl_constant("gc_top", "compensator_clocks_c")
 WEIGHTS = BUILD / "compensated"
 
 

@@ -14,7 +14,7 @@ import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
-from codes import fixed_compensation, fixed_network, pack, unpack
+from codes import fixed_compensation, fixed_network, pack, unpack, vhdl_constant
 from compensated import compensated_weights
 from gravcomp.network import bittrue
 from gravcomp.network.compensation import compensator
@@ -30,7 +30,8 @@ CLOCKS_PER_PERIOD = 600  # of 1 ms: the slowest clock that keeps up with the edg
 CLOCK_NS = 2 * round(1e6 / CLOCKS_PER_PERIOD / 2)
 TRAVEL_CLOCKS = 1000  # the longest way between two poses here
 INFERENCE_CLOCKS = 100
-CLOCKS_BEHIND_CORE = 16  # from the forces of gc_core, beside which the compensator takes the speed, to the result
+# From the forces of gc_core, beside which the compensator takes the speed, to the result.
+CLOCKS_BEHIND_CORE = vhdl_constant("gc_top", "compensator_clocks_c") + vhdl_constant("gc_top", "scaler_clocks_c") + 1
 LATENCY_CLOCKS = 45  # of gc_top with 2 lanes or more, with some to spare
 DECODER_CLOCKS = 12  # synchroniser, filter and count, with some to spare
 
