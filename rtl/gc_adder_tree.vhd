@@ -3,8 +3,8 @@
 -- out_sum = sum of in_terms: one n-ary sum, a register at every term and after every two-operand adder.
 --
 -- The registers at the terms stand near the adders: the way from a DSP block takes a clock of its own.
--- Formats: terms_g terms of bits_g bits, term 0 lowest in the vector -> bits_g. Latency: 1 + ceil(log2(terms_g)) clocks.
--- Overflow: wraps; bits_g must hold every partial sum.
+-- Formats: terms_g terms of bits_g bits, term 0 lowest in the vector -> bits_g.
+-- Latency: 1 + ceil(log2(terms_g)) clocks. Overflow: wraps; bits_g must hold every partial sum.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -53,9 +53,9 @@ architecture rtl of gc_core is
                                  + (1 + scale_latency(outputs_c, serial_c));
 
   -- Clocks since the last accepted counts, and the step of the lanes; both rest at 0.
-  signal since       : std_ulogic_vector(0 to steps_c - 1);
+  signal since       : std_ulogic_vector(steps_c - 1 downto 0);
   signal since_runs  : std_ulogic;
-  signal step        : std_ulogic_vector(0 to steps_c - 1);
+  signal step        : std_ulogic_vector(steps_c - 1 downto 0);
   signal accept      : std_ulogic;
   signal x_valid     : std_ulogic;
   signal x           : signed(inputs_c * operand_bits_c - 1 downto 0);

@@ -41,6 +41,7 @@ architecture rtl of gc_output_layer is
   constant product_bits_c : positive := 2 * operand_bits_c;
 
   -- The bias is the last term when there is nothing to accumulate.
+
   function terms_per_output return positive is
   begin
 
@@ -142,7 +143,7 @@ begin
   -- last stage: accumulate; the bias, where the next sum starts, is the reset value and needs no multiplexer
 
   g_accumulate : if steps_c > 1 generate
-    signal step  : std_ulogic_vector(0 to steps_c - 1);
+    signal step  : std_ulogic_vector(steps_c - 1 downto 0);
     signal last  : std_ulogic;
     signal acc   : signed(outputs_c * sum_bits_c - 1 downto 0) := output_bias_c;
     signal total : signed(outputs_c * sum_bits_c - 1 downto 0);

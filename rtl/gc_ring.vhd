@@ -2,10 +2,12 @@
 --
 -- out_turn: one bit of length_g is high; it moves on by one place, in a ring, in every clock with in_valid.
 --
--- A one-hot counter: what is decoded from it is a flip-flop, without logic. Bit 0 is high after reset. Latency: 1 clock.
+-- A one-hot counter: what is decoded from it is a flip-flop, without logic. Bit 0 is high after reset.
+-- Latency: 1 clock.
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
 
 entity gc_ring is
   generic (
@@ -17,13 +19,15 @@ entity gc_ring is
     -- Synchronous, active high; back to place 0.
     rst      : in    std_ulogic;
     in_valid : in    std_ulogic;
-    out_turn : out   std_ulogic_vector(0 to length_g - 1)
+    out_turn : out   std_ulogic_vector(length_g - 1 downto 0)
   );
 end entity gc_ring;
 
 architecture rtl of gc_ring is
 
-  signal turn : std_ulogic_vector(0 to length_g - 1) := (0 => '1', others => '0');
+  constant first_c : std_ulogic_vector(length_g - 1 downto 0) := std_ulogic_vector(to_unsigned(1, length_g));
+
+  signal turn : std_ulogic_vector(length_g - 1 downto 0) := first_c;
 
 begin
 
@@ -33,7 +37,7 @@ begin
     if rising_edge(clk) then
       if in_valid = '1' then
 
-        for i in turn'range loop
+        for i in 0 to length_g - 1 loop
 
           turn((i + 1) mod length_g) <= turn(i);
 
@@ -41,7 +45,7 @@ begin
 
       end if;
       if rst = '1' then
-        turn <= (0 => '1', others => '0');
+        turn <= first_c;
       end if;
     end if;
 

@@ -70,14 +70,14 @@ begin
     constant last_c : positive := values_g - 1;
 
     -- The value that goes in.
-    signal turn          : std_ulogic_vector(0 to last_c);
+    signal turn          : std_ulogic_vector(last_c downto 0);
     signal value         : operand_t;
     signal factor        : operand_t;
     signal value_valid   : std_ulogic;
     signal product       : signed(product_bits_c - 1 downto 0);
     signal product_valid : std_ulogic;
     -- The product that comes out; the ones before the last wait for it.
-    signal arrival       : std_ulogic_vector(0 to last_c);
+    signal arrival       : std_ulogic_vector(last_c downto 0);
     signal waiting       : signed(last_c * product_bits_c - 1 downto 0);
     signal products      : signed(values_g * product_bits_c - 1 downto 0);
     signal valid         : std_ulogic := '0';

@@ -15,11 +15,11 @@ from stream import start
 async def places_in_turn(dut):
     length, rng = int(os.environ["LENGTH_G"]), np.random.default_rng(14)
     await Timer(1, "ns")
-    assert str(dut.out_turn.value) == "1".ljust(length, "0"), "wrong at power-up"
+    assert str(dut.out_turn.value) == "1".rjust(length, "0"), "wrong at power-up"
     await start(dut)
     place = 0
     for _ in range(300):
-        assert str(dut.out_turn.value) == "1".rjust(place + 1, "0").ljust(length, "0")
+        assert str(dut.out_turn.value) == "1".ljust(place + 1, "0").rjust(length, "0")
         reset, valid = rng.random() < 0.03, rng.random() < 0.6
         dut.rst.value, dut.in_valid.value = int(reset), int(valid)
         place = 0 if reset else (place + valid) % length
