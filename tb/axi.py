@@ -1,5 +1,7 @@
 """The host of gc_system in a test: register accesses by name over AXI4-Lite."""
 
+from collections.abc import Callable, Iterator
+
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp
 
 from gravcomp.system.registers import read_registers
@@ -18,6 +20,13 @@ class Registers:
         for channel in (self.master.write_if, self.master.read_if):
             channel.log.setLevel("WARNING")
         self.map = read_registers()
+
+    def pause(self, pauses: Callable[[], Iterator[bool]]) -> None:
+        """Stall each channel in the clocks in which its own iterator of pauses says True."""
+        write, read = self.master.write_if, self.master.read_if
+        channels = (write.aw_channel, write.w_channel, write.b_channel, read.ar_channel, read.r_channel)
+        for channel in channels:
+            channel.set_pause_generator(pauses())
 
     async def read_at(self, address: int) -> int:
         answer = await self.master.read(address, 4)
