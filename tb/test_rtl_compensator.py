@@ -14,10 +14,11 @@ from gravcomp.network.compensation import compensator, friction
 from gravcomp.network.quantise import COUNT_BITS, FORCE_BITS
 from runner import BUILD, simulate
 from stream import latencies, start, stream
-from test_rtl_top import CLOCKS_PER_EDGE, Bench
+from test_rtl_top import Bench
 
 OUTPUTS = ["out_force", "out_saturated"]
 LATENCY = vhdl_constant("gc_top", "compensator_clocks_c")
+PACE = 6  # clocks per encoder edge: the force is there before the speed is known
 WEIGHTS = BUILD / "compensated"
 
 
@@ -94,8 +95,9 @@ async def added_mn(bench: Bench) -> np.ndarray:
 async def motion_reversal_and_rest(dut):
     """Friction of its direction at a steady pace, none at a reversal, and none at rest, dither included."""
     _, fixed = constants(Path(os.environ["WEIGHTS"]))
-    bench, period = Bench(dut), 4 * CLOCKS_PER_EDGE
+    bench, period = Bench(dut), 4 * PACE
     await bench.start()
+    dut.clocks_per_edge.value = PACE
     for direction in (1, -1):
         dut.target.value = pack([direction * 10_000] * N_AXES, COUNT_BITS)
         # When the force reaches the compensator, fewer than five edges have been decoded: the speed is not yet known.
