@@ -29,20 +29,16 @@ def picture(ours: Sequence[Row], peers: Sequence[Row]):
     """Logic against latency at the slower speed grade, both logarithmic. Returns a Matplotlib figure."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8, 5), layout="constrained")
+    figure = Figure(figsize=(9, 4.5), layout="constrained")
     axes = figure.add_subplot()
-    for rows, marker, label in ((ours, "o", "this core"), (peers, "s", "other generators")):
-        latency_ns = [row.latency_ns(SPEEDS[0]) for row in rows]
-        axes.plot(latency_ns, [row.comb for row in rows], marker, markersize=9, label=label)
-        for row, x in zip(rows, latency_ns, strict=True):
-            axes.annotate(row.name, (x, row.comb), xytext=(8, 6), textcoords="offset points", fontsize=9)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.margins(x=0.25, y=0.15)
+    for rows, marker in ((ours, "o"), (peers, "s")):
+        for row in rows:
+            axes.loglog(row.latency_ns(SPEEDS[0]), row.comb, marker, markersize=10, linestyle="", label=row.name)
+    axes.margins(0.1)
     axes.set_xlabel(f"latency of an inference, ns (LFE5U, speed {SPEEDS[0]})")
     axes.set_ylabel("logic, TRELLIS_COMB")
     axes.grid(which="both", alpha=0.3)
-    axes.legend()
+    figure.legend(loc="outside right center")
     return figure
 
 
