@@ -7,7 +7,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal test test-fast train table1 rom regs system budget latency formats docs loop blind table2 lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate coverage test test-fast train table1 rom regs system budget latency formats docs loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -21,7 +21,14 @@ sim: setup ## the main job: robot poses through the encoder pins of the VHDL und
 	@$(RUN)/gravcomp sim-report --weights "$(WEIGHTS)"
 
 formal: setup ## what is proven about the hardware, for every input and without a bound; docs/formal.md says how
-	@$(RUN)/gravcomp formal
+	@$(RUN)/gravcomp formal --docs docs
+
+mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each? Half an hour; docs/mutation.md
+	@$(RUN)/gravcomp mutate --docs docs
+
+coverage: ## the statements of the VHDL that the tests run; docs/coverage.md
+	@scripts/setup.sh ghdl-gcc
+	@$(RUN)/gravcomp coverage --docs docs
 
 test: setup ## all tests
 	@$(PYTEST) -q -n auto

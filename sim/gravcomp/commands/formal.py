@@ -9,6 +9,20 @@ from tqdm import tqdm
 from gravcomp.files import write_atomically
 from gravcomp.formal.claims import CLAIMS, verify
 
+INTRODUCTION = """\
+# What is proven about the hardware
+
+Written by `make formal`. Each checker of `tb/formal` holds an entity, as GHDL writes it in Verilog, and asserts
+something about it. Yosys makes an and-inverter graph of both; ABC's property-directed reachability finds an inductive
+invariant for every assertion and verifies it: power-up fulfils it, each clock keeps it, it implies the assertion. So the
+claims hold for every input in every clock, for ever, not for samples and not to a depth. Products are cut: any value may
+stand for one, which can only make a claim harder to prove. `tb/test_rtl_formal*.py` plant a fault in the VHDL for each
+assertion and see it break.
+
+`valid_pipeline` takes the latency of the core from the shortest run to a result, and then proves that every accepted
+input has its result after exactly as many clocks, that there are no other results, and that `in_ready` rises in time.
+
+"""
 HEAD = "| checker | entity | generics | assertions | verdict | s |\n|---|---|---|---|---|---|"
 
 
@@ -16,7 +30,7 @@ def add_arguments(parser):
     parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of the VHDL and its sources.f")
     parser.add_argument("--checkers", type=Path, default=Path("tb/formal"), help="folder of the checkers")
     parser.add_argument("--out", type=Path, default=Path("build/formal"), help="folder of intermediate files")
-    parser.add_argument("--docs", type=Path, help="folder for formal-table.md")
+    parser.add_argument("--docs", type=Path, help="folder for formal.md")
 
 
 def run(arguments):
@@ -35,6 +49,6 @@ def run(arguments):
     table = "\n".join([HEAD, *rows])
     print(table)
     if arguments.docs:
-        write_atomically(arguments.docs / "formal-table.md", table + "\n")
+        write_atomically(arguments.docs / "formal.md", INTRODUCTION + table + "\n")
     if not all_hold:
         sys.exit(1)

@@ -20,7 +20,7 @@ def add_arguments(parser):
     parser.add_argument("--jobs", type=int, default=2, help="mutants at a time (default 2)")
     parser.add_argument("--out", type=Path, default=Path("build/mutation"), help="folder of the outcomes, a file each")
     parser.add_argument("--survivors", action="store_true", help="try again those that survived the last time")
-    parser.add_argument("--docs", type=Path, help="folder for mutation-table.md")
+    parser.add_argument("--docs", type=Path, help="folder for mutation.md")
 
 
 def run(arguments):
@@ -45,7 +45,7 @@ def run(arguments):
     table = campaign.markdown(_last(arguments.out), equivalent, arguments.seed)
     print(table)
     if arguments.docs:
-        write_atomically(arguments.docs / "mutation-table.md", table)
+        write_atomically(arguments.docs / "mutation.md", table)
 
 
 def _last(out: Path) -> list[Outcome]:

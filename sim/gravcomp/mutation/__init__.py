@@ -1,1 +1,1 @@
-"""Mutation testing of the VHDL: small faults are planted, one at a time; a test must fail for each."""
+"""How good the tests of the VHDL are: faults planted in it, one at a time, and the statements that no test runs."""

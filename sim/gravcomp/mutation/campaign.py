@@ -11,6 +11,16 @@ from gravcomp.mutation.trial import CAUGHT, INVALID, SURVIVED, TIMEOUT, Outcome,
 
 TIMEOUT_S = 900.0
 
+INTRODUCTION = """\
+# Mutation tests
+
+Written by `make mutate`. Each mutant is the VHDL with one small fault: an operator, a constant, a bit, a condition, a
+comparison, a width, a sign, or an assignment that is gone. Mutants are drawn by seed; the share of an entity goes with
+the square root of the faults that fit into it; what GHDL does not analyse or elaborate is not counted. The tests in
+which the entity runs follow each other, its own first, those of gc_core and the tops last, then the proofs, until one
+fails. A mutant that hangs is caught by the time limit.
+"""
+
 
 def plan(root: Path, n_mutants: int, seed: int, entities: Iterable[str] = ()) -> dict[str, tuple[int, list[Mutant]]]:
     """The draw over rtl/*.vhd, as of mutants.draw; entities limits it, without changing what each of them gets.
@@ -69,6 +79,7 @@ def reasons(path: Path) -> dict[tuple[str, str, str], str]:
 def markdown(outcomes: list[Outcome], equivalent: dict[tuple[str, str, str], str], seed: int) -> str:
     """Two tables: outcomes by entity, and every survivor with its reason."""
     lines = [
+        INTRODUCTION,
         "| entity | planted | caught | of these by time-out | survived | of these equivalent |",
         "|---|---|---|---|---|---|",
     ]
