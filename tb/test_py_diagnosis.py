@@ -9,7 +9,6 @@ import pytest
 from gravcomp.cli import main
 from gravcomp.measured.csv_reader import read_measurement
 from gravcomp.measured.diagnosis import diagnose
-from gravcomp.measured.effects import EFFECTS, NAMES, effect_named
 from gravcomp.measured.model import Model, load_model, model_toml
 from gravcomp.measured.report import report
 from gravcomp.robot.kinematics import inverse_kinematics
@@ -110,11 +109,6 @@ def test_held_out_samples_reach_no_fit(tmp_path):
     spoilt = np.where(first.is_test[:, None], data.force + 50.0, data.force)
     second = diagnose(replace(data, force=spoilt), Model())
     assert report(second)["effects"][0]["params"] == report(first)["effects"][0]["params"]
-
-
-def test_vocabulary_is_complete_and_registered_once():
-    assert len(NAMES) == 17
-    assert all(isinstance(effect_named(name), EFFECTS) for name in NAMES)
 
 
 @pytest.mark.parametrize(

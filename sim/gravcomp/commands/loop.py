@@ -36,7 +36,8 @@ def run(arguments):
     content = report(found)
     write_provenance(
         result,
-        command=f"gravcomp loop {arguments.data} --weights {arguments.weights} --seed {arguments.seed}",
+        command=f"gravcomp loop {arguments.data} --weights {arguments.weights} --seed {arguments.seed} "
+        f"--holdout {arguments.holdout}" + (f" --model {arguments.model}" if arguments.model else ""),
         data={"log": arguments.data.name, "sha256": hashlib.sha256(arguments.data.read_bytes()).hexdigest()},
         metrics={f"model_{when}": content[when] for when in ("before", "after")},
     )
