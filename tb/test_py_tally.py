@@ -62,7 +62,7 @@ def test_summary_counts_each_kind_by_itself():
         *[CLEAN] * 3, replace(CLEAN, named=("payload",)),
         *[UNLISTED] * 2, replace(UNLISTED, named=("payload",)), replace(UNLISTED, is_driver_right=False),
         replace(UNLISTED, is_driver_right=False, named=("payload",)),
-        PAIR, replace(PAIR, named=("payload", "inertia")),
+        PAIR, replace(PAIR, named=("payload", "inertia")), replace(PAIR, named=("inertia",)),
     ]  # fmt: skip
     rows = {what: (value, n) for what, value, _, n in summary(outcomes)}
     assert rows == {
@@ -74,9 +74,9 @@ def test_summary_counts_each_kind_by_itself():
         "clean: no effect named": (pytest.approx(75.0), 4),
         "unlisted: right driver first": (pytest.approx(60.0), 5),
         "unlisted: physical name given": (pytest.approx(40.0), 5),
-        "pair: both named or listed": (pytest.approx(50.0), 2),
-        "pair: one at least named": (pytest.approx(100.0), 2),
-        "pair: a name that is not in the data": (pytest.approx(50.0), 2),
+        "pair: both named or listed": (pytest.approx(100 * 1 / 3), 3),
+        "pair: one at least named": (pytest.approx(100 * 2 / 3), 3),
+        "pair: a name that is not in the data": (pytest.approx(100 * 2 / 3), 3),
     }
 
 
@@ -104,6 +104,7 @@ def test_ratio_is_pooled_over_its_own_kind():
 def test_page_lists_every_miss_and_no_hit():
     named = replace(UNLISTED, source="prototype", seed=7, named=("payload",))
     outcomes = [RIGHT, replace(WRONG, seed=41), CLEAN, replace(CLEAN, seed=5, named=("payload",)), UNLISTED, named]
+    outcomes.append(replace(RIGHT, source="prototype"))
     page = markdown(outcomes, 200, "make blind")
     misses = page.split("## Misses")[1].strip().splitlines()[2:]
     assert [line.split("|")[1:3] for line in misses] == [
@@ -121,6 +122,11 @@ def test_picture_counts_a_truth_among_several_names_as_itself():
     assert first.startswith(b"\x89PNG")
     assert confusion_png([RIGHT, *outcomes[1:]]) == first
     assert confusion_png([replace(RIGHT, named=("current_offset",)), *outcomes[1:]]) != first
+
+
+def test_picture_shows_a_pair_of_which_one_was_named_as_one_hit_and_one_miss():
+    missed = replace(RIGHT, truth=("cogging",), named=())
+    assert confusion_png([replace(PAIR, named=("payload",))]) == confusion_png([RIGHT, missed])
 
 
 def test_every_kind_is_run_with_every_seed(monkeypatch, tmp_path):
