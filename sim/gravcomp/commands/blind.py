@@ -12,9 +12,9 @@ from gravcomp.measured import tally
 
 
 def add_arguments(parser):
-    parser.add_argument("--sets", type=int, default=100, help="seeds of each kind from the model (default 100)")
-    parser.add_argument("--prototype-sets", type=int, default=25, help="of each kind from the prototype (default 25)")
-    parser.add_argument("--first-seed", type=int, default=1000, help="first seed (default 1000; below 200: tuned on)")
+    parser.add_argument("--sets", type=int, default=60, help="seeds of each kind from the model (default 60)")
+    parser.add_argument("--prototype-sets", type=int, default=20, help="of each kind from the prototype (default 20)")
+    parser.add_argument("--first-seed", type=int, default=7000, help="first seed (default 7000; below 200: tuned on)")
     parser.add_argument("--work", type=Path, default=Path("build/blind"), help="folder for the prototype's logs")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
     parser.add_argument("--docs", type=Path, help="folder for blind.md and figures/blind_*.png")

@@ -115,10 +115,10 @@ def _search(data, before, rows, pool, tick):
     weight = sure
     variance = np.maximum(residual.var(axis=0), 1e-300)
     independent = sure.sum(axis=0)
-    unexplained = unrippled = residual
+    unexplained, ripples = residual, [residual]
     for turn in range(_ROUNDS):
         tick(f"search {turn + 1}")
-        periodic = _periodic_terms(data, rows, unrippled, unexplained)
+        periodic = _periodic_terms(data, rows, ripples, unexplained)
         entries = pool + periodic
         evidence = Evidence([term for term, _ in entries], [c for _, c in entries], residual, weight, variance,
                             independent)  # fmt: skip
@@ -126,7 +126,9 @@ def _search(data, before, rows, pool, tick):
         fitted = {k: _fitted(evidence, members, entries, k, rows) for k in members}
         unexplained = residual - sum(fitted.values(), np.zeros_like(residual))
         ripple = [f for k, f in fitted.items() if _is_periodic(evidence.terms[k])]
-        unrippled = unexplained + sum(ripple, np.zeros_like(residual))
+        smooth = [f for k, f in fitted.items() if evidence.terms[k].is_physical and not _is_periodic(evidence.terms[k])]
+        # beside the corrections, and without them: tables may have swallowed a ripple
+        ripples = [unexplained + sum(ripple, np.zeros_like(residual)), residual - sum(smooth, np.zeros_like(residual))]
         spread = 1.4826 * np.median(np.abs(unexplained - np.median(unexplained, axis=0)), axis=0)
         spread = np.maximum(spread, 1e-9 * np.abs(data.force).max())
         weight = sure * np.minimum(1.0, _HUBER * spread / np.maximum(np.abs(unexplained), 1e-300))
@@ -151,23 +153,33 @@ def _is_periodic(term: Term) -> bool:
     return isinstance(term.source, Cogging) or (not term.is_physical and term.source.kind == "wave")
 
 
-def _periodic_terms(data, rows, residual, unexplained) -> list[tuple[Term, list]]:
-    out = []
-    scaled = residual / np.maximum(residual.std(axis=0), 1e-300)
-    span = np.ptp(data.q[rows], axis=0).max()
-    turn = 2.0 * np.pi if data.position_units and data.position_units[0] == "rad" else None
-    proposals = {scan.pitch_of(scan.find_lines(data.q[rows], scaled), span, turn)}
-    if data.n_axes > 1:
-        for i in range(data.n_axes):
-            proposals.add(scan.pitch_of(scan.find_lines(data.q[rows][:, [i]], scaled[:, [i]]), span, turn))
-    for pitch, harmonics in sorted(p for p in proposals if p):
+def _periodic_terms(data, rows, ripples, unexplained) -> list[tuple[Term, list]]:
+    """Cogging at the pitches that lines in the residuals propose; waves and steps in time."""
+    out, pitches = [], set()
+    for residual in ripples:
+        pitches |= _pitches(data, rows, residual / np.maximum(residual.std(axis=0), 1e-300))
+    for pitch, harmonics in sorted(pitches):
         out.append(_effect_term(data, rows, Cogging(), {"pitch": pitch, "harmonics": harmonics}))
+    scaled = ripples[0] / np.maximum(ripples[0].std(axis=0), 1e-300)
     for i in range(data.n_axes):
         when = scan.step_in(data.t_s[rows], unexplained[:, i])
         out.append(_correction_term(data, rows, Correction(i, "step", ("t",), (when,))))
         for frequency, _ in scan.find_lines(data.t_s[rows], scaled[:, [i]], 2):
             out.append(_correction_term(data, rows, Correction(i, "wave", ("t",), (frequency,))))
     return out
+
+
+def _pitches(data, rows, scaled) -> set[tuple[float, tuple[int, ...]]]:
+    """Pitch and harmonics that all axes together, and each alone, show over their positions; the strongest line as the
+    fundamental, and as a harmonic of a longer pitch.
+    """
+    q = data.q[rows]
+    span = np.ptp(q, axis=0).max()
+    turn = 2.0 * np.pi if data.position_units and data.position_units[0] == "rad" else None
+    lines = [scan.find_lines(q, scaled)]
+    lines += [scan.find_lines(q[:, [i]], scaled[:, [i]]) for i in range(data.n_axes) if data.n_axes > 1]
+    found = {scan.pitch_of(own, span, turn, divisors) for own in lines for divisors in (1, 6)}
+    return {pitch for pitch in found if pitch}
 
 
 def _correlation_length(residual: np.ndarray) -> np.ndarray:

@@ -85,7 +85,8 @@ def candidates(data: Measurement) -> list[Correction]:
                 continue
             if name not in ("t", "temp"):
                 out.append(Correction(axis, "line", (name,)))
-            for size in sizes:
+            fine = (30,) if n >= 600 and name == f"q{axis + 1}" else ()
+            for size in sizes + fine:
                 knots = _knots(x, size)
                 if len(knots) < 3:
                     continue
@@ -104,8 +105,7 @@ def candidates(data: Measurement) -> list[Correction]:
 
 
 def _knots(x: np.ndarray, size: int) -> tuple[float, ...]:
-    low, high = np.quantile(x, [0.002, 0.998])
-    uniform = np.linspace(low, high, size)
+    uniform = np.linspace(x.min(), x.max(), size)
     filled = [uniform[0]]
     for knot in uniform[1:]:  # a knot only where at least a few samples lie between it and the last
         if np.count_nonzero((x > filled[-1]) & (x <= knot)) >= 4:

@@ -106,6 +106,7 @@ def _solve(data, y, rows, terms, start, weight):
     names = [(k, name) for k, term in enumerate(terms) if term.is_physical for name in start[k]]
     x0 = np.array([start[k][name] for k, name in names])
     size = np.maximum(np.abs(x0), 1e-9)
+    positive = [_positive(term) for term in terms]
     linear = [k for k, term in enumerate(terms) if not term.is_physical]
     basis = np.zeros((y.size, sum(len(terms[k].labels) for k in linear)))
     at = 0
@@ -130,7 +131,8 @@ def _solve(data, y, rows, terms, start, weight):
 
     x, jacobian = x0, np.zeros((y.size, 0))
     if names:
-        found = least_squares(error, x0 / size, x_scale="jac", max_nfev=12)
+        low = [0.0 if name in positive[k] else -np.inf for k, name in names]
+        found = least_squares(error, np.maximum(x0 / size, low), bounds=(low, np.inf), x_scale="jac", max_nfev=12)
         x, jacobian = found.x * size, found.jac / size
     left = y - (physical(x) if names else 0.0)
     theta = np.linalg.lstsq(basis, (left * weight).ravel(), rcond=1e-9)[0] if at else np.zeros(0)
@@ -147,6 +149,12 @@ def _solve(data, y, rows, terms, start, weight):
             fitted[:, terms[k].source.axis] += terms[k].source.columns(data)[rows] @ np.array(list(values[k].values()))
         left = left - fitted
     return values, (names, x, jacobian), left
+
+
+def _positive(term: Term) -> set[str]:
+    """Parameters that physics makes positive."""
+    contrasts = term.source.contrasts(list(term.labels)) if term.is_physical else []
+    return {label for contrast in contrasts if len(contrast) == 1 for label in contrast}
 
 
 def _entries(terms, values, solution, normed) -> Fit:

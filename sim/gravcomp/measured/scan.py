@@ -83,15 +83,18 @@ def _refine(x, r, frequency, step):
     return float(grid[np.argmax([np.sum(_wave(x, r, g) ** 2) for g in grid])])
 
 
-def pitch_of(lines: list[tuple[float, float]], span: float, turn: float | None) -> tuple[float, tuple[int, ...]] | None:
+def pitch_of(
+    lines: list[tuple[float, float]], span: float, turn: float | None, divisors: int = 6
+) -> tuple[float, tuple[int, ...]] | None:
     """Pitch and harmonics that explain the lines: a full turn where the lines are whole orders of it, else the largest
-    fundamental of which the strong lines are multiples within the resolution 1/(4 span); the strongest line at least.
+    fundamental of which the strong lines are multiples within the resolution 1/(4 span); the strongest line at least,
+    which is one of the first ``divisors`` harmonics.
     """
     if not lines:
         return None
     f, power = np.array(lines).T
     resolution = 0.3 / span
-    bases = [f[0] / m for m in range(1, 7)]
+    bases = [f[0] / m for m in range(1, divisors + 1)]
     if turn is not None and span > 0.9 * turn:
         bases = [1.0 / turn]
         resolution = 0.6 / span

@@ -120,13 +120,12 @@ class Evidence:
         return float(likelihood + rank * np.log(self.m.sum()) + sum(self.terms[k].price for k in members))
 
     def _cancels(self, members, index, theta, total) -> bool:
-        """Effects that are large only to cancel one another imitate something else."""
-        physical = [k for k in members if self.terms[k].is_physical]
-        if len(physical) < 2:
+        """Terms that are large only to cancel one another imitate something else."""
+        if len(members) < 2:
             return False
         value = dict(zip(index, theta, strict=True))
         single = 0.0
-        for k in physical:
+        for k in members:
             own = np.array([value[c] for c in self.place[k]])
             single += np.einsum("iab,a,b->", self.gram[:, self.place[k][:, None], self.place[k]], own, own)
         return single > _CANCELLATION * total
@@ -162,8 +161,9 @@ class Evidence:
             return self._climb(effects, everything, locked=effects)
         if any(not self.terms[k].is_physical for k in free):
             free = self._substantial(free, _BESIDE_CORRECTION)
-            free = self._unambiguous(free)
-            free = self._climb(free, [k for k in everything if not self.terms[k].is_physical], locked=free)
+            corrections = [k for k in everything if not self.terms[k].is_physical]
+            free = self._unambiguous(self._climb(free, corrections, locked=free))
+            free = self._climb(free, corrections, locked=free)
         return free
 
     def _unambiguous(self, members: frozenset) -> frozenset:

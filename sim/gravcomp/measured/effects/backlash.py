@@ -20,6 +20,9 @@ class Backlash(Effect):
     def unavailable(self, data):
         return needs_velocity(data) or needs_function(data)
 
+    def groups(self, labels):
+        return [{label} for label in labels]
+
     def columns(self, data, shape):
         lag = -0.5 * data.sensitivity * _side(data, shape)[:, None, :]
         return {f"gap_{j + 1}": lag[..., j] for j in range(data.n_axes)}
