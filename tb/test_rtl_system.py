@@ -106,7 +106,7 @@ class System:
         await self.registers.write("control", 7 << 4 | 3)
         await self.wait_for_state("run")
 
-    async def wait_for_state(self, name: str, most_reads: int = 50) -> None:
+    async def wait_for_state(self, name: str, most_reads: int = 500) -> None:
         for _ in range(most_reads):
             await self.registers.read("result_number")
             if await self.registers.field("status", "state") == STATES[name]:
@@ -269,6 +269,8 @@ async def one_interrupt_per_tick(dut):
     for _ in range(12):
         await system.interrupt()
         times_ns.append(get_sim_time("ns"))
+        await system.clocks(20)
+        assert dut.irq.value == 1, "not a level"
         assert await registers.read("interrupt_status") == 1
         await registers.write("interrupt_status", 1)
         assert dut.irq.value == 0
@@ -290,6 +292,7 @@ async def missed_ticks(dut):
     await registers.write("control", 2)
     began = get_sim_time("ns")
     await system.interrupt()
+    assert await registers.read("interrupt_status") & 4, "interrupted by what is not enabled"
     await system.clocks(2000)
     number = await registers.read("result_number")
     elapsed = (get_sim_time("ns") - began) / 25
@@ -371,6 +374,70 @@ async def brakes_and_faults(dut):
     await registers.write("command", 4)
     await system.wait_for_state("braked")
     assert await registers.read("fault") == 0
+
+
+@cocotb.test()
+async def commands_ramp_to_their_limit(dut):
+    """Before the brakes are released the commands rise by the slew from result to result, up to the limit."""
+    system, commands = System(dut), []
+    await system.start(axi_mhz=40)
+    await system.configure(current_limit_ua=300_000, current_slew_ua=110_000, brake_clocks=2000)
+    recorder = cocotb.start_soon(record_commands(dut, commands))
+    await system.run()
+    recorder.cancel()
+    for axis in range(N_AXES):
+        assert [command[axis] for command in commands[:4]] == [110_000, 220_000, 300_000, 300_000]
+    assert len(commands) > 2000 // 150, "released before the brake time was over"
+    await system.registers.read("result_number")
+    assert await system.registers.field("axis_flags", "limited") == 7
+
+
+async def record_commands(dut, commands: list) -> None:
+    while True:
+        await FallingEdge(dut.clk)
+        if dut.drive_valid.value == 1:
+            commands.append(unpack([int(dut.drive_current.value)], 32, N_AXES)[0].tolist())
+
+
+@cocotb.test()
+async def every_limit_has_its_cause(dut):
+    """One limit after the other is set so that it is exceeded: its cause comes, and goes with it."""
+    system, fixed = System(dut), fixed_network()
+    await system.start(axi_mhz=40)
+    await system.configure()
+    registers, window = system.registers, fixed.count_high + 100
+    await system.home_near(fixed.count_high - 60)
+    await registers.write("control", 7 << 4 | 2)
+    await expect_cause(system, 0)
+    cases = [("watchdog_clocks", 100_000, 1, 7, 0), ("result_clocks", 10_000, 1, 8, 0)]
+    cases += [("window_low", low, 2**31 - 1, 5, axis) for axis, low in enumerate(fixed.count_low - 100)]
+    cases += [("window_high", high, -(2**31), 5, axis) for axis, high in enumerate(window)]
+    cases += [("expected_weights", await registers.read("expected_weights"), 0, 3, 0)]
+    for name, usual, exceeded, cause, axis in cases:
+        await registers.write(name, int(exceeded), axis)
+        await expect_cause(system, 1 << cause)
+        await registers.write(name, int(usual), axis)
+        await expect_cause(system, 0)
+    await registers.write("period_min_clocks", 2**31 - 2)
+    dut.target.value = pack(fixed.count_high + 50, COUNT_BITS)
+    await expect_cause(system, 1 << 4)
+    await registers.write("period_min_clocks", 8)
+    await system.walk_to(fixed.count_high + 50)
+    await system.clocks(200)
+    await expect_cause(system, 0)
+    await registers.write("saturation_clocks", 10)
+    await expect_cause(system, 1 << 6)
+
+
+async def expect_cause(system: System, expected: int) -> None:
+    for _ in range(20):
+        if expected == 0:
+            await system.registers.write("command", 2)
+        await system.registers.read("result_number")
+        cause = await system.registers.read("cause")
+        if cause == expected:
+            return
+    raise AssertionError(f"cause {cause:#x}, expected {expected:#x}")
 
 
 @cocotb.test()
@@ -464,6 +531,11 @@ def test_system_interrupts_once_per_result_and_counts_missed_ticks():
 @pytest.mark.slow
 def test_system_releases_brakes_and_stops_on_faults():
     simulate_system("brakes_and_faults|emergency_stop_needs_no_host|host_that_stands_still", generics={"lanes_g": 4})
+
+
+@pytest.mark.slow
+def test_system_limits_act():
+    simulate_system("commands_ramp_to_their_limit|every_limit_has_its_cause", generics={"lanes_g": 4})
 
 
 @pytest.mark.slow
