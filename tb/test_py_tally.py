@@ -149,7 +149,7 @@ def test_run_compares_what_was_named_with_the_sealed_answer(monkeypatch):
     assert (outcome.kind, outcome.seed, outcome.n_samples) == ("listed", 9, 200)
     assert (outcome.truth, outcome.named, outcome.is_right) == (("coulomb_friction",), ("coulomb_friction",), True)
     assert outcome.after_ratio == pytest.approx(1.0, abs=0.05)
-    assert outcome.decided_ratio == outcome.after_ratio
+    assert (outcome.decided_ratio, outcome.is_driver_right) == (outcome.after_ratio, False)
 
 
 def test_prototype_is_measured_once_and_its_seal_opened_after_the_diagnosis(monkeypatch, tmp_path):
