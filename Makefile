@@ -7,7 +7,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate coverage test test-fast train table1 rom regs system budget latency formats docs loop blind table2 lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate coverage test test-fast train table1 rom regs system hil budget latency formats docs loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -52,6 +52,10 @@ regs: setup ## write registers (VHDL, IP-XACT, C header; HTML into build/registe
 system: setup ## gc_system: registers, interrupt, results on two clocks; path latency from encoder edge to command
 	@$(PYTEST) -q tb/test_rtl_system.py
 	@sed -n 's/^MEASURED //p' build/tb/test_rtl_system-path_latency-lanes_g4/run.log
+
+hil: setup ## the robot in the physics engine and gc_system in one simulation: PID with and without the core, faults; docs/hil.md
+	@HIL=full $(PYTEST) -s tb/test_rtl_hil.py
+	@$(RUN)/gravcomp hil-report --docs docs
 
 budget: setup ## operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics
 	@$(PYTEST) -q tb/test_rtl_budget.py
