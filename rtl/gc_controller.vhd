@@ -96,6 +96,7 @@ architecture rtl of gc_controller is
   signal first_cause  : causes_t;
   signal first_count  : signed(inputs_c * count_bits_c - 1 downto 0);
   signal status       : word_t;
+  signal control_4    : std_ulogic_vector(7 downto 0);
 
 begin
 
@@ -240,9 +241,20 @@ begin
 
   status <= x"00000" & "00" & busy & run & '0' & released & '0' & safety_state;
 
+  -- Late enough that the rest of the state shows what it did.
+  i_control : entity work.gc_delay
+    generic map (
+      bits_g   => control_4'length,
+      clocks_g => 4
+    )
+    port map (
+      clk      => clk,
+      in_data  => in_settings(control_4'range),
+      out_data => control_4
+    );
+
   -- from sts_control_c down to sts_number_c
-  out_state <= x"000000" & '0' & in_settings(cfg_home_c + axes_c - 1 downto cfg_home_c) & "00"
-               & in_settings(cfg_tick_enable_c) & in_settings(cfg_enable_c)
+  out_state <= x"000000" & control_4
                & std_ulogic_vector(first_count)
                & std_ulogic_vector(count)
                & std_ulogic_vector(command)

@@ -155,6 +155,29 @@ def check(answers: list) -> None:
     assert (braked.brakes, braked.released, braked.command_ua) == (Brakes.BRAKED, 0, (0, 0, 0))
 
 
+def home_twice(host: Host | CHost, robot: Robot) -> list[int]:
+    """Axes referenced after homing, and after homing has been armed again."""
+    host.configure(host.open()[1], SETTINGS)
+    host.home(7)
+    robot.load()
+    robot.walk_to(INDEX)
+    robot.walk_to(INDEX + 8)
+    once = host.read().referenced
+    host.home(7)
+    return [once, host.read().referenced]
+
+
+@cocotb.test()
+async def slow_core(dut):
+    """The host is much faster than the core: arming homing again is an edge that the core must not miss."""
+    for name in ("C", "Python"):
+        system = System(dut)
+        await system.start(axi_mhz=100, core_mhz=5)
+        bus = SimulatedBus(system.registers)
+        host = CHost(Path(os.environ["LIBRARY"]), bus) if name == "C" else Host(bus)
+        assert await bridge(home_twice)(host, Robot(system)) == [7, 0], name
+
+
 @cocotb.test()
 async def example(dut):
     system = System(dut)
@@ -189,6 +212,10 @@ def simulate_host(cocotb_test: str) -> None:
 @pytest.mark.slow
 def test_host_in_c_and_its_python_twin_give_the_same_answers():
     simulate_host("same_answers")
+
+
+def test_host_waits_for_a_slow_core():
+    simulate_host("slow_core")
 
 
 @pytest.mark.slow
