@@ -6,6 +6,7 @@ Time starts when the brakes open. Each run holds a pose, then moves away from it
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -136,5 +137,5 @@ def load(folder: Path, run: Run) -> Log:
     try:
         with np.load(path) as saved:
             return Log(**{name: saved[name] for name in saved.files})
-    except (OSError, ValueError, TypeError) as error:
-        raise InputError(f"{path}: no such run, or a damaged one ({error}); start `make hil` first") from None
+    except (OSError, ValueError, TypeError, EOFError, BadZipFile):
+        raise InputError(f"{path}: no such run, or a damaged one; start `make hil` first") from None

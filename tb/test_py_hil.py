@@ -1,0 +1,124 @@
+"""The other side of the RTL in the loop, without the RTL: brakes, PID, what a run is and what its log says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gravcomp.cli import main
+from gravcomp.robot.kinematics import direct_kinematics
+from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.prototype import TIME_STEP_S
+from gravcomp.robot.statics import holding_forces_at
+from gravcomp.system.hil import FULL, SHORT, Log, load, save, stop_after
+from gravcomp.system.plant import BRAKE_N, BrakedPrototype, Pid
+
+P = load_parameters()
+START_M = FULL[0].target_m(0.0, P)
+NO_FORCE, ENGAGED, RELEASED = np.zeros(3), np.zeros(3, bool), np.ones(3, bool)
+
+
+def fallen_m(robot: BrakedPrototype, is_released: np.ndarray, steps: int, force_n: np.ndarray = NO_FORCE) -> float:
+    """How far the worst axis goes in so many steps."""
+    q_m = robot.q_m
+    for _ in range(steps):
+        robot.step(force_n, is_released)
+    return np.abs(robot.q_m - q_m).max()
+
+
+def test_brakes_hold_the_robot_that_falls_without_them():
+    robot = BrakedPrototype(P, START_M)
+    assert fallen_m(robot, ENGAGED, 100) < 1e-7
+    assert fallen_m(robot, RELEASED, 30) > 1e-3
+
+
+def test_brakes_of_single_axes_leave_the_others_free():
+    robot = BrakedPrototype(P, START_M)
+    before = robot.q_m
+    fallen_m(robot, np.array([True, False, False]), 20)
+    moved = np.abs(robot.q_m - before)
+    assert moved[0] > 1e-4
+    assert moved[1:].max() < 1e-6
+
+
+def test_brakes_slip_when_the_motors_are_stronger():
+    robot = BrakedPrototype(P, START_M)
+    assert fallen_m(robot, ENGAGED, 50, np.full(3, 0.7 * BRAKE_N)) < 1e-6
+    assert fallen_m(robot, ENGAGED, 50, np.full(3, 1.5 * BRAKE_N)) > 1e-3
+
+
+@pytest.mark.parametrize("closing_steps", [0, 10])
+def test_brakes_close_after_their_time(closing_steps):
+    robot = BrakedPrototype(P, START_M, closing_steps * TIME_STEP_S)
+    fallen_m(robot, RELEASED, 10)
+    speeds = []
+    for _ in range(closing_steps + 5):
+        robot.step(NO_FORCE, ENGAGED)
+        speeds.append(robot.platform_radps)
+    assert (np.diff(speeds[:closing_steps]) > 0).all()
+    assert speeds[-1] < 0.01 * max(speeds)
+
+
+def test_holding_forces_hold_the_robot_without_brakes():
+    robot = BrakedPrototype(P, START_M)
+    assert fallen_m(robot, RELEASED, 50, holding_forces_at(START_M, P)) < 1e-6
+
+
+def test_pid_starts_with_nothing_but_the_error_and_integrates():
+    pid, error_m = Pid(), np.array([1e-5, -1e-5, 0.0])
+    forces_n = np.array([pid.force_n(error_m) for _ in range(100)])
+    assert abs(forces_n[0, 0]) < 0.5
+    np.testing.assert_allclose(np.diff(forces_n[:, 0]), np.diff(forces_n[:2, 0])[0])
+    np.testing.assert_allclose(forces_n[:, 1], -forces_n[:, 0])
+    assert not forces_n[:, 2].any()
+    assert forces_n[-1, 0] > forces_n[0, 0]
+
+
+@pytest.mark.parametrize("run", [*FULL, *SHORT], ids=lambda run: f"{run.name}-{run.duration_s}s")
+def test_targets_move_smoothly_inside_the_workspace(run):
+    t_s = np.arange(round(run.duration_s / TIME_STEP_S)) * TIME_STEP_S
+    target_m = np.array([run.target_m(t, P) for t in t_s])
+    assert np.abs(np.diff(target_m, axis=0)).max() <= 6e-6
+    assert np.abs(np.diff(target_m, 2, axis=0)).max() < 0.3e-6
+    assert not np.ptp(target_m[t_s <= run.hold_s], axis=0).any()
+    for q_m in target_m[::50]:
+        direct_kinematics(q_m, P)
+
+
+def log_with(speeds_radps: np.ndarray, path_m: np.ndarray) -> Log:
+    n = len(speeds_radps)
+    axes = np.zeros((n, 3))
+    q_m = np.stack([path_m, 0 * path_m, -path_m / 2], axis=1)
+    return Log(np.arange(n) * TIME_STEP_S, axes, q_m, axes, axes, np.ones(n, bool), speeds_radps, 3)
+
+
+def test_stop_is_when_the_platform_is_still_for_good():
+    run = replace(FULL[2], fault_s=10 * TIME_STEP_S)
+    speeds = np.full(40, 0.02)
+    speeds[13:15] = 0.0
+    speeds[20:] = 1e-5
+    stop = stop_after(run, log_with(speeds, np.minimum(np.arange(40), 20) * 1e-6))
+    assert stop.still_s == pytest.approx(10 * TIME_STEP_S)
+    assert stop.drop_m == pytest.approx(10e-6)
+    assert (stop.speed_radps, stop.last_speed_radps) == (0.02, 1e-5)
+
+
+def test_stop_never_comes_while_the_platform_moves():
+    run = replace(FULL[2], fault_s=10 * TIME_STEP_S)
+    assert stop_after(run, log_with(np.full(40, 0.02), np.arange(40) * 1e-6)).still_s == np.inf
+
+
+def test_log_is_read_as_written(tmp_path):
+    log = log_with(np.arange(5.0), np.arange(5.0))
+    save(tmp_path, FULL[0], log)
+    for name, values in vars(load(tmp_path, FULL[0])).items():
+        np.testing.assert_array_equal(values, getattr(log, name))
+
+
+@pytest.mark.parametrize("content", [None, b"", b"nonsense", b"PK\x03\x04"])
+def test_report_refuses_a_missing_or_damaged_run_in_one_line(content, tmp_path, capsys):
+    if content is not None:
+        (tmp_path / "pid.npz").write_bytes(content)
+    assert main(["hil-report", "--run", str(tmp_path)]) == 2
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err.count("\n")) == ("", 1)
