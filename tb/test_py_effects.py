@@ -13,10 +13,12 @@ from scipy.linalg import expm
 from scipy.stats import binom, chi2
 
 from codes import ROOT
+from gravcomp.errors import InputError
 from gravcomp.measured import effects as registry
-from gravcomp.measured.effects import EFFECTS, NAMES
+from gravcomp.measured.effects import EFFECTS, NAMES, effect_named
 from gravcomp.measured.fit import fit_terms
 from gravcomp.measured.measurement import Measurement
+from gravcomp.measured.model import Model
 from gravcomp.measured.scan import find_lines, pitch_of
 from gravcomp.measured.search import Term
 from gravcomp.robot.kinematics import direct_kinematics
@@ -28,7 +30,7 @@ CONTRACT = {
     "coulomb_friction": ({"fc": "[f]", "fc_pos": "[f]", "fc_neg": "[f]"}, "compensator"),
     "viscous_friction": ({"b": "[f] s/[q]", "b_pos": "[f] s/[q]", "b_neg": "[f] s/[q]"}, "compensator"),
     "stribeck_friction": ({"fc": "[f]", "fs": "[f]", "vs": "[q]/s"}, "compensator"),
-    "passive_joint_friction": ({"fc_prismatic": "N", "fc_rotary": "Nm"}, "none"),
+    "passive_joint_friction": ({"fc_prismatic": "N", "fc_rotary": "Nm"}, "compensator"),
     "load_dependent_friction": ({"mu": "1"}, "compensator"),
     "backlash": ({"gap": "[q]", "travel": "[q]"}, "none"),
     "cogging": ({"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}, "compensator"),
@@ -41,7 +43,7 @@ CONTRACT = {
     "link_compliance": ({"c": "[q]/[f]"}, "network"),
     "thermal_drift": ({"gain": "1 or 1/K", "tau": "s", "t0": "degC"}, "none"),
     "inertia": ({"m": "[f] s^2/[q]"}, "none"),
-    "presliding_hysteresis": ({"fc": "[f]", "s": "[q]"}, "none"),
+    "presliding_hysteresis": ({"fc": "[f]", "s": "[q]"}, "compensator"),
 }
 AXES = (1, 2, 3)
 NOISE_N = 0.1
@@ -351,3 +353,29 @@ def fitted(effect, data, residual, shapes):
     term = Term(effect, tuple(effect.columns(data, shape)), shape)
     noise = np.full(data.n_axes, NOISE_N)
     return fit_terms(data, residual, np.arange(len(residual)), [term], noise).effects[0]
+
+
+def test_passive_joint_of_an_axis_at_rest_has_no_friction():
+    data = holds(50, 1)
+    data = replace(data, v=data.v * [1.0, 0.0, 0.0])
+    sliding = effect_named("passive_joint_friction").predict(data, {"fc_prismatic_n": 2.0, "fc_rotary_nm": 0.0})
+    np.testing.assert_allclose(sliding[:, 1:], 0.0, atol=1e-6)
+
+
+def test_drift_over_time_is_the_same_on_a_log_with_temperature():
+    data, drift = holds(50, 1), {"gain_1": 0.03, "tau_s": 120.0}
+    effect = effect_named("thermal_drift")
+    np.testing.assert_array_equal(effect.predict(data, drift), effect.predict(replace(data, temp_c=None), drift))
+
+
+def test_drift_over_temperature_is_refused_on_a_log_without():
+    model = Model(effects=[("thermal_drift", {"gain_1": 1e-3, "t0_1": 25.0})])
+    with pytest.raises(InputError, match="temp_c"):
+        model.predict(replace(holds(50, 1), temp_c=None))
+
+
+def test_fit_of_data_without_noise_is_certain():
+    data = holds(50, 1)
+    term = Term(effect_named("coulomb_friction"), ("fc_1", "fc_2", "fc_3"))
+    entry = fit_terms(data, np.sign(data.v), np.arange(50), [term], np.full(3, 1e-9)).effects[0]
+    assert entry.p_value == 0.0

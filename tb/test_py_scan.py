@@ -26,6 +26,14 @@ def test_lines_are_found_strongest_first_and_nothing_else():
     np.testing.assert_allclose(cycles, [1, 3, 7], atol=0.1 * PITCH_M / SPAN_M)
 
 
+def test_ripple_of_few_cycles_leaves_no_lines_beside_it():
+    """The trend of a few cycles isn't small; it must not stay behind as lines."""
+    q, noise = scattered(6, 400)
+    wave = np.sin(2 * np.pi * q / 0.03 + 0.3) + 0.5 * np.sin(4 * np.pi * q / 0.03)
+    pitch, harmonics = pitch_of(find_lines(q, wave + 0.1 * noise), SPAN_M, None)
+    assert (harmonics, pitch) == ((1, 2), pytest.approx(0.03, rel=0.01))
+
+
 def test_ripple_shows_over_its_own_axis_and_variable_alone():
     q, r = scattered(2)
     r[:, 1] += 1.5 * ripple(q[:, 1])

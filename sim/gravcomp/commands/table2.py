@@ -14,7 +14,7 @@ _HEADER = """# Table 2 of the paper, repeated
 Written by `gravcomp table2 --seed {seed}`, in {seconds:.0f} s of processor time on one core. Errors are in percent of
 the measured force, 100 |E|/|F_exp| per pose, maximum and average over {test} test poses at each torsion that no fit has
 seen. "paper" is printed in the paper; the other columns are ours, for two ways of approaching a pose: from a random
-side, and always moving outward from home.
+side that moves every joint (random), and always moving outward from home.
 
 """
 _TEXT = """

@@ -110,4 +110,5 @@ def _knots(x: np.ndarray, size: int) -> tuple[float, ...]:
     for knot in uniform[1:]:  # a knot only where at least a few samples lie between it and the last
         if np.count_nonzero((x > filled[-1]) & (x <= knot)) >= 4:
             filled.append(knot)
+    filled[-1] = uniform[-1]  # no sample lies beyond: a straight line is always within the table
     return tuple(float(k) for k in filled)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from tqdm import tqdm
 
 from gravcomp.measured.csv_reader import read_measurement
-from gravcomp.measured.experiment import DEFAULT_NOISE_N, Log, hold_poses, log_csv, measure, random_sides
+from gravcomp.measured.experiment import DEFAULT_NOISE_N, Log, clear_sides, hold_poses, log_csv, measure
 from gravcomp.measured.experiment_effects import field_effects
 from gravcomp.measured.experiment_plant import Plant
 from gravcomp.measured.measurement import Measurement
@@ -19,12 +19,12 @@ APPROACHES = ("random", "outward")
 
 
 def hold_field(p: RobotParameters, poses: np.ndarray, approach: str, seed: int) -> Measurement:
-    """Hold poses (n, 3, 3), each approached from a random side or moving outward from home.
+    """Hold poses (n, 3, 3), each approached from a random side that moves every joint, or moving outward from home.
 
     Returns what a reader of the log sees, n rows.
     """
     rng = np.random.default_rng(seed)
-    sides = Rotation.from_matrix(poses).as_rotvec() if approach == "outward" else random_sides(len(poses), rng)
+    sides = Rotation.from_matrix(poses).as_rotvec() if approach == "outward" else clear_sides(poses, p, rng)
     with tqdm(total=len(poses), desc=f"holds, approach {approach}", delay=2.0, unit="pose") as progress:
         samples = hold_poses(Plant(p, field_effects()), poses, sides, progress)
     t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))

@@ -176,7 +176,10 @@ def _entries(terms, values, solution, normed) -> Fit:
 
 def _p_value(x, covariance) -> float:
     """Wald test that all parameters of an effect are zero."""
-    return float(stats.chi2.sf(x @ np.linalg.pinv(covariance, rcond=1e-10) @ x, len(x)))
+    error = np.sqrt(np.maximum(np.diag(covariance), 1e-200))  # data without noise have none
+    z, correlation = x / error, covariance / np.outer(error, error)
+    np.fill_diagonal(correlation, 1.0)
+    return float(stats.chi2.sf(z @ np.linalg.pinv(correlation, rcond=1e-10) @ z, len(x)))
 
 
 def _correlation(normed: np.ndarray) -> float:

@@ -17,8 +17,8 @@ _FOLDS = 4
 def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     """Drivers of structure that neither effects nor corrections took: axis, variable, share of what is left.
 
-    Random trees over all variables, cross-validated by blocks; it counts when it predicts more than 5 % of the
-    variance in every second fold at least and its mean gain is four standard errors above zero.
+    Random trees over all variables, cross-validated by blocks; it counts when they predict more than 5 % of the
+    variance on average, some in every fold, and the mean is four standard errors above zero.
     """
     rows = rows[~data.is_undecided[rows].any(axis=1)]
     if len(rows) < _MIN_SAMPLES:

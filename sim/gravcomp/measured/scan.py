@@ -1,7 +1,7 @@
 """Periodogram of a residual over position or time: finds pitches, harmonics and frequencies without being told."""
 
 import numpy as np
-from numpy.polynomial.legendre import legfit, legval
+from numpy.polynomial.legendre import legvander
 
 _GRID = 8192
 _MIN_CYCLES = 3.0
@@ -35,7 +35,8 @@ def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = _MAX_LINES) -> lis
     x = np.broadcast_to(np.atleast_2d(x.T).T, r.shape)
     if not np.ptp(x, axis=0).all():
         return []
-    rest, lines = _without_trend(x, r), []
+    trends, lines = _trends(x), []
+    rest = np.column_stack([_without(trend, column) for trend, column in zip(trends, r.T, strict=True)])
     for _ in range(max_lines):
         f, power = spectrum(x, rest, limit)
         if not len(f):
@@ -44,19 +45,20 @@ def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = _MAX_LINES) -> lis
         # chance of such a peak among all frequencies, white noise: power is a sum of unit exponentials
         if power[best] < np.log(len(f)) + 7.0 + 2.0 * np.sqrt(r.shape[1] * np.log(len(f))) * (r.shape[1] > 1):
             break
-        frequency = _refine(x, rest, f[best], f[1] - f[0])
+        frequency = _refine(x, rest, trends, f[best], f[1] - f[0])
         lines.append((frequency, float(power[best])))
-        rest = rest - _wave(x, rest, frequency)
+        rest = rest - _wave(x, rest, trends, frequency)
     return lines
 
 
-def _without_trend(x, r):
-    """r less a polynomial of x: what is smooth over the whole range is not a ripple."""
-    out = np.empty_like(r)
-    for k in range(r.shape[1]):
-        centred = (x[:, k] - x[:, k].mean()) / max(np.ptp(x[:, k]) / 2, 1e-300)
-        out[:, k] = r[:, k] - legval(centred, legfit(centred, r[:, k], _TREND_DEGREE))
-    return out
+def _trends(x: np.ndarray) -> list[np.ndarray]:
+    """Per column of x an orthonormal basis (n, p) of its polynomials: what is smooth over the range is no ripple."""
+    centred = (x - x.mean(axis=0)) / (np.ptp(x, axis=0) / 2)
+    return [np.linalg.qr(legvander(column, _TREND_DEGREE))[0] for column in centred.T]
+
+
+def _without(trend: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return y - trend @ (trend.T @ y)
 
 
 def step_in(t: np.ndarray, r: np.ndarray) -> float:
@@ -69,18 +71,19 @@ def step_in(t: np.ndarray, r: np.ndarray) -> float:
     return float(0.5 * (t[k] + t[min(k + 1, len(t) - 1)]))
 
 
-def _wave(x, r, frequency):
+def _wave(x, r, trends, frequency):
+    """The part of r at a frequency; of few cycles the trend takes some, so it is taken from the wave, too."""
     out = np.empty_like(r)
-    for k in range(r.shape[1]):
+    for k, trend in enumerate(trends):
         angle = 2 * np.pi * frequency * x[:, k]
-        basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones(len(r))])
+        basis = _without(trend, np.column_stack([np.sin(angle), np.cos(angle)]))
         out[:, k] = basis @ np.linalg.lstsq(basis, r[:, k], rcond=None)[0]
     return out
 
 
-def _refine(x, r, frequency, step):
+def _refine(x, r, trends, frequency, step):
     grid = frequency + step * np.linspace(-1.0, 1.0, 21)
-    return float(grid[np.argmax([np.sum(_wave(x, r, g) ** 2) for g in grid])])
+    return float(grid[np.argmax([np.sum(_wave(x, r, trends, g) ** 2) for g in grid])])
 
 
 def pitch_of(

@@ -27,6 +27,7 @@ _MISSED = 0.005  # of the variance that can be explained
 _IMPOSSIBLE = 1e12
 _SINGULAR = 1e-9
 _VAGUE = 4  # names
+_SAME_SCORE = 1e-6  # what lies within the span of the other terms adds nothing
 _PROMISING = 20  # candidates of a move that are scored exactly
 
 
@@ -279,7 +280,7 @@ class Evidence:
                 if not kept or len(kept) == len(term.labels):
                     continue
                 smaller = (members - {current}) | {self._part(current, kept)}
-                if self.score(smaller) < self.score(members):
+                if self.score(smaller) <= self.score(members) + _SAME_SCORE:
                     members, current = smaller, len(self.terms) - 1
         return members
 

@@ -5,6 +5,8 @@ import numpy as np
 from gravcomp.measured.effects.base import Effect, needs_velocity
 from gravcomp.robot.kinematics import direct_kinematics, passive_jacobian
 
+_ROUNDING = 1e-9  # of the speed that the axes could give a joint: less is rest
+
 
 class PassiveJointFriction(Effect):
     """J_p^T (fc sign(v_p)), v_p = J_p v over the prismatic joints b_i and the rotary joints phi_i."""
@@ -12,7 +14,7 @@ class PassiveJointFriction(Effect):
     name = "passive_joint_friction"
     follows = "dir"
     equation = "J_p^T (fc sign(v_p)), v_p = J_p v"
-    hardware = "none"
+    hardware = "compensator"
     units = {"fc_prismatic": "N", "fc_rotary": "Nm"}  # noqa: RUF012
     positive = ("fc_prismatic", "fc_rotary")
     per_axis = False
@@ -26,6 +28,7 @@ class PassiveJointFriction(Effect):
         speed = np.einsum("npk,nk->np", jacobian, data.v)
         # where v is read on a grid, a slow joint's sign is not sure: its mean over what v may be
         unsure = np.einsum("npk,nk->np", np.abs(jacobian), data.dead_band)
+        unsure += _ROUNDING * np.linalg.norm(jacobian, axis=2) * np.linalg.norm(data.v, axis=1)[:, None]
         moving = np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)
         force = jacobian * moving[..., None]
         return {"fc_prismatic_n": force[:, :3].sum(axis=1), "fc_rotary_nm": force[:, 3:].sum(axis=1)}

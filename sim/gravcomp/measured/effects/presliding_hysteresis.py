@@ -11,7 +11,7 @@ class PreslidingHysteresis(Effect):
     name = "presliding_hysteresis"
     follows = "dir"
     equation = "fc_i z_i, dz_i = (sign(dq_i) - z_i) abs(dq_i)/s_i"
-    hardware = "none"
+    hardware = "compensator"
     units = {"fc": "[f]", "s": "[q]"}  # noqa: RUF012
     positive = ("fc",)
     special_case = "coulomb_friction"

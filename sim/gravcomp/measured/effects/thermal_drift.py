@@ -28,8 +28,7 @@ class ThermalDrift(Effect):
         if _has_temperature(data):
             warm = by_axis(data, "slope", data.temp_c[:, None] * data.nominal)
             return warm | by_axis(data, "level", data.nominal)
-        rise = 1.0 - np.exp(-(data.t_s - data.t_s[0]) / shape["tau_s"])
-        return by_axis(data, "gain", rise[:, None] * data.nominal)
+        return by_axis(data, "gain", _rise(data, shape["tau_s"])[:, None] * data.nominal)
 
     def parameters(self, shape, coefficients):
         if "tau_s" in shape:
@@ -41,12 +40,21 @@ class ThermalDrift(Effect):
         return out
 
     def predict(self, data, parameters):
-        if "tau_s" in parameters:
-            return super().predict(data, parameters)
         force = np.zeros(data.shape)
+        if "tau_s" in parameters:
+            rise = _rise(data, parameters["tau_s"])
+            for i in axes_in(parameters, "gain"):
+                force[:, i] = parameters[f"gain_{i + 1}"] * rise * data.nominal[:, i]
+            return force
+        if data.temp_c is None:
+            raise ValueError("a drift over temperature, and no temp_c")
         for i in axes_in(parameters, "gain"):
             force[:, i] = parameters[f"gain_{i + 1}"] * (data.temp_c - parameters[f"t0_{i + 1}"]) * data.nominal[:, i]
         return force
+
+
+def _rise(data, tau_s: float) -> np.ndarray:
+    return 1.0 - np.exp(-(data.t_s - data.t_s[0]) / tau_s)
 
 
 def _has_temperature(data) -> bool:
