@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: MIT
 --
--- out_sum = sum of in_terms: one n-ary sum, a register at every term and after every two-operand adder.
+-- out_sum = sum of in_terms: one n-ary sum, a register after every two-operand adder and, if wanted, at every term.
 --
 -- The registers at the terms stand near the adders: the way from a DSP block takes a clock of its own.
 -- Formats: terms_g terms of bits_g bits, term 0 lowest in the vector -> bits_g.
--- Latency: 1 + ceil(log2(terms_g)) clocks. Overflow: wraps; bits_g must hold every partial sum.
+-- Latency: term_clocks_g + ceil(log2(terms_g)) clocks. Overflow: wraps; bits_g must hold every partial sum.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -16,9 +16,11 @@ library work;
 entity gc_adder_tree is
   generic (
     -- Number of terms.
-    terms_g : positive := 4;
+    terms_g       : positive := 4;
     -- Width of every term and of the sum, bits.
-    bits_g  : positive := 38
+    bits_g        : positive := 38;
+    -- Registers at the terms: 1, or none: 0.
+    term_clocks_g : natural range 0 to 1 := 1
   );
   port (
     clk       : in    std_ulogic;
@@ -41,13 +43,17 @@ architecture rtl of gc_adder_tree is
 
   -- A heap: node 1 is the root, nodes 2k and 2k + 1 feed node k, the leaves are at the end.
   signal node  : sums_t(1 to 2 * leaves_c - 1);
-  signal valid : std_ulogic_vector(0 to depth_c + 1) := (others => '0');
+  signal valid : std_ulogic_vector(0 to depth_c + term_clocks_g) := (others => '0');
 
 begin
 
   g_leaf : for i in 0 to leaves_c - 1 generate
 
-    g_term : if i < terms_g generate
+    g_near : if i < terms_g and term_clocks_g = 0 generate
+      node(leaves_c + i) <= in_terms((i + 1) * bits_g - 1 downto i * bits_g);
+    end generate g_near;
+
+    g_term : if i < terms_g and term_clocks_g = 1 generate
 
       p_term : process (clk) is
       begin
@@ -81,7 +87,7 @@ begin
 
   valid(0) <= in_valid;
 
-  g_valid : for i in 1 to depth_c + 1 generate
+  g_valid : for i in 1 to depth_c + term_clocks_g generate
 
     p_valid : process (clk) is
     begin
@@ -97,7 +103,7 @@ begin
 
   end generate g_valid;
 
-  out_valid <= valid(depth_c + 1);
+  out_valid <= valid(depth_c + term_clocks_g);
   out_sum <= node(1);
 
 end architecture rtl;

@@ -4,9 +4,9 @@
 --
 -- lanes_g neurons per clock; 166 multiplications and 43 sums per inference at hidden size 20 and three axes.
 -- Formats: 32-bit counts -> 24 bits, mN. Initiation interval: hidden_c / lanes_g clocks (in_ready); latency from
--- accepted counts to forces: 18 + ceil(log2(inputs_c + 1)) + ceil(log2(lanes_g)) + hidden_c / lanes_g clocks; with one
--- lane inputs_c + outputs_c - 1 more, as its scalers share a multiplier each; with all neurons at once
--- 18 + ceil(log2(inputs_c + 1)) + ceil(log2(hidden_c + 1)), as the bias is a term of the last sum.
+-- accepted counts to forces: 14 + ceil(log2(inputs_c + 1)) + ceil(log2(lanes_g)) + hidden_c / lanes_g clocks; with one
+-- lane inputs_c + outputs_c + 2 more, as its scalers share a multiplier each; with all neurons at once
+-- 17 + ceil(log2(inputs_c + 1)) + ceil(log2(hidden_c + 1)), as the bias is a term of the last sum.
 -- Overflow: no intermediate can, for any count. Illegal input: counts outside the trained range are clamped and
 -- flagged; an output that does not fit saturates and is flagged.
 
@@ -48,9 +48,12 @@ architecture rtl of gc_core is
   constant steps_c  : positive := hidden_c / lanes_g;
   -- With 20 clocks per inference one multiplier per scaler is enough.
   constant serial_c : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
-  -- From x to force: lane, activation, output layer, output scaler.
-  constant delay_c  : positive := (4 + tree_depth(inputs_c + 1)) + 3 + (steps_c - 1 + output_latency(lanes_g, steps_c))
-                                 + (1 + scale_latency(outputs_c, serial_c));
+  -- With all neurons at once the lanes are all over the chip: x and h travel a clock longer, to near copies.
+  constant spread_c : boolean := steps_c = 1;
+  -- From x to force: copies, lane, activation, output layer, output scaler.
+  constant delay_c  : positive := 2 * boolean'pos(spread_c) + hidden_latency(inputs_c, lanes_g) + 3
+                                  + (steps_c - 1 + output_latency(lanes_g, steps_c))
+                                  + (1 + scale_latency(outputs_c, serial_c));
 
   -- Clocks since the last accepted counts, and the step of the lanes; both rest at 0.
   signal since       : std_ulogic_vector(steps_c - 1 downto 0);
@@ -116,9 +119,50 @@ begin
     );
 
   g_lane : for lane in 0 to lanes_g - 1 generate
-    signal a_valid : std_ulogic;
-    signal a       : operand_t;
+    signal near_valid  : std_ulogic;
+    signal near_x      : signed(inputs_c * operand_bits_c - 1 downto 0);
+    signal a_valid     : std_ulogic;
+    signal a           : operand_t;
+    signal gamma_valid : std_ulogic;
+    signal gamma       : operand_t;
   begin
+
+    g_near : if not spread_c generate
+      near_valid <= lane_valid;
+      near_x <= x;
+      h_valid(lane) <= gamma_valid;
+      h((lane + 1) * operand_bits_c - 1 downto lane * operand_bits_c) <= gamma;
+    end generate g_near;
+
+    g_spread : if spread_c generate
+
+      i_x : entity work.gc_copy
+        generic map (
+          bits_g => inputs_c * operand_bits_c
+        )
+        port map (
+          clk       => clk,
+          rst       => rst,
+          in_valid  => lane_valid,
+          in_data   => x,
+          out_valid => near_valid,
+          out_data  => near_x
+        );
+
+      i_h : entity work.gc_copy
+        generic map (
+          bits_g => operand_bits_c
+        )
+        port map (
+          clk       => clk,
+          rst       => rst,
+          in_valid  => gamma_valid,
+          in_data   => gamma,
+          out_valid => h_valid(lane),
+          out_data  => h((lane + 1) * operand_bits_c - 1 downto lane * operand_bits_c)
+        );
+
+    end generate g_spread;
 
     i_hidden_lane : entity work.gc_hidden_lane
       generic map (
@@ -128,8 +172,8 @@ begin
       port map (
         clk       => clk,
         rst       => rst,
-        in_valid  => lane_valid,
-        in_x      => x,
+        in_valid  => near_valid,
+        in_x      => near_x,
         out_valid => a_valid,
         out_a     => a
       );
@@ -140,8 +184,8 @@ begin
         rst       => rst,
         in_valid  => a_valid,
         in_a      => a,
-        out_valid => h_valid(lane),
-        out_h     => h((lane + 1) * operand_bits_c - 1 downto lane * operand_bits_c)
+        out_valid => gamma_valid,
+        out_h     => gamma
       );
 
   end generate g_lane;

@@ -29,9 +29,28 @@ package gc_fixed_pkg is
     serial : boolean
   ) return natural;
 
+  -- Latency of gc_hidden_lane, clocks.
+
+  function hidden_latency (
+    inputs : positive;
+    lanes : positive
+  ) return natural;
+
   -- Latency of gc_output_layer from the last of `steps` inputs, clocks.
 
   function output_latency (
+    lanes : positive;
+    steps : positive
+  ) return natural;
+
+  -- Clocks from a DSP block to an adder. With one lane the clock counts, with several the latency; with all neurons at
+  -- once the blocks of the output layer are all over the chip.
+
+  function hidden_term_clocks (
+    lanes : positive
+  ) return natural;
+
+  function output_term_clocks (
     lanes : positive;
     steps : positive
   ) return natural;
@@ -94,6 +113,16 @@ package body gc_fixed_pkg is
 
   end function scale_latency;
 
+  function hidden_latency (
+    inputs : positive;
+    lanes : positive
+  ) return natural is
+  begin
+
+    return 3 + hidden_term_clocks(lanes) + tree_depth(inputs + 1);
+
+  end function hidden_latency;
+
   function output_latency (
     lanes : positive;
     steps : positive
@@ -101,12 +130,39 @@ package body gc_fixed_pkg is
   begin
 
     if steps = 1 then
-      return 3 + tree_depth(lanes + 1);
+      return 2 + output_term_clocks(lanes, steps) + tree_depth(lanes + 1);
     end if;
 
-    return 4 + tree_depth(lanes);
+    return 3 + output_term_clocks(lanes, steps) + tree_depth(lanes);
 
   end function output_latency;
+
+  function hidden_term_clocks (
+    lanes : positive
+  ) return natural is
+  begin
+
+    if lanes = 1 then
+      return 1;
+    end if;
+
+    return 0;
+
+  end function hidden_term_clocks;
+
+  function output_term_clocks (
+    lanes : positive;
+    steps : positive
+  ) return natural is
+  begin
+
+    if lanes = 1 or steps = 1 then
+      return 1;
+    end if;
+
+    return 0;
+
+  end function output_term_clocks;
 
   function truncate (
     value : signed;

@@ -5,7 +5,8 @@
 --
 -- Lane l of lanes_g computes the neurons l, l + lanes_g ... in turn, one per in_valid, all on the same x.
 -- Formats: 18 bits, x_fraction_c -> 18 bits, preactivation_fraction_c, truncated (half LSB in the bias).
--- Latency: 4 + ceil(log2(inputs_c + 1)) clocks. Overflow: the sum cannot, hidden_sum_bits_c holds every partial sum.
+-- Latency: 3 + ceil(log2(inputs_c + 1)) clocks, one more with one lane. Overflow: the sum cannot, hidden_sum_bits_c
+-- holds every partial sum.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -105,8 +106,9 @@ begin
 
   i_sum : entity work.gc_adder_tree
     generic map (
-      terms_g => inputs_c + 1,
-      bits_g  => sum_bits_c
+      terms_g       => inputs_c + 1,
+      bits_g        => sum_bits_c,
+      term_clocks_g => hidden_term_clocks(lanes_g)
     )
     port map (
       clk       => clk,

@@ -1,9 +1,11 @@
 -- SPDX-License-Identifier: MIT
 --
--- x = S_i count: clamps each encoder count to the trained range, drops count_shift_c bits, multiplies by the scale.
+-- x = S_i count: drops count_shift_c bits of each encoder count, multiplies by the scale, clamps to the trained range.
 --
+-- The count is compared while it is multiplied: the product of a count outside the range is replaced by that of the
+-- limit.
 -- The offset of the normalisation and the half LSBs of the two truncations are part of the hidden biases.
--- Formats: 32-bit counts -> 18 bits, x_fraction_c. Latency: 5 clocks, or inputs_c + 4 with one multiplier; out_x holds
+-- Formats: 32-bit counts -> 18 bits, x_fraction_c. Latency: 3 clocks, or inputs_c + 3 with one multiplier; out_x holds
 -- until the next result. Overflow: cannot happen after the clamp. Illegal input: a count outside the trained range is
 -- clamped and its bit of out_clamped set.
 
@@ -50,136 +52,180 @@ architecture rtl of gc_input_scaler is
 
   end function code;
 
-  signal valid_1   : std_ulogic := '0';
-  signal valid_2   : std_ulogic := '0';
-  signal code_1    : signed(inputs_c * operand_bits_c - 1 downto 0);
-  signal below_1   : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal above_1   : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal code_2    : signed(inputs_c * operand_bits_c - 1 downto 0);
-  signal clamped_2 : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal product   : signed(inputs_c * product_bits_c - 1 downto 0);
-  signal x_valid   : std_ulogic;
-  signal x         : signed(inputs_c * operand_bits_c - 1 downto 0);
-  signal x_clamped : std_ulogic_vector(inputs_c - 1 downto 0);
+  -- x of a limit of the trained range.
+
+  function limit_x (
+    edge : integer;
+    axis : natural
+  ) return signed is
+
+    constant scale_c : operand_t := input_scale_c((axis + 1) * operand_bits_c - 1 downto axis * operand_bits_c);
+
+  begin
+
+    return truncate(code(to_signed(edge, count_bits_c)) * scale_c, input_scale_fraction_c, operand_bits_c);
+
+  end function limit_x;
+
+  signal codes   : signed(inputs_c * operand_bits_c - 1 downto 0);
+  -- Axis i: below the range 2 i, above it 2 i + 1.
+  signal outside : std_ulogic_vector(2 * inputs_c - 1 downto 0);
+  signal far     : std_ulogic_vector(2 * inputs_c - 1 downto 0);
+  signal valid   : std_ulogic;
+  signal product : signed(inputs_c * product_bits_c - 1 downto 0);
+  signal x       : signed(inputs_c * operand_bits_c - 1 downto 0);
+  signal clamped : std_ulogic_vector(inputs_c - 1 downto 0);
 
 begin
 
-  g_clamp : for i in 0 to inputs_c - 1 generate
+  g_axis : for i in 0 to inputs_c - 1 generate
+    constant low_x_c  : operand_t := limit_x(count_low_c(i), i);
+    constant high_x_c : operand_t := limit_x(count_high_c(i), i);
+    signal   count    : signed(count_bits_c - 1 downto 0);
+  begin
 
-    p_clamp : process (clk) is
+    count <= in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
+    codes((i + 1) * operand_bits_c - 1 downto i * operand_bits_c) <= code(count);
 
-      variable count_v : signed(count_bits_c - 1 downto 0);
-      variable code_v  : operand_t;
+    -- stage 1: compare; holds until the next count
 
+    p_compare : process (clk) is
     begin
 
       if rising_edge(clk) then
-        -- stage 1: compare; holds until the next count
         if in_valid = '1' then
-          count_v := in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
-          code_1((i + 1) * operand_bits_c - 1 downto i * operand_bits_c) <= code(count_v);
-          below_1(i) <= '0';
-          above_1(i) <= '0';
-          if count_v < count_low_c(i) then
-            below_1(i) <= '1';
+          outside(2 * i) <= '0';
+          if count < count_low_c(i) then
+            outside(2 * i) <= '1';
           end if;
-          if count_v > count_high_c(i) then
-            above_1(i) <= '1';
+          outside(2 * i + 1) <= '0';
+          if count > count_high_c(i) then
+            outside(2 * i + 1) <= '1';
           end if;
         end if;
-        -- stage 2: clamp
-        code_v := code_1((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
-        if below_1(i) = '1' then
-          code_v := code(to_signed(count_low_c(i), count_bits_c));
-        elsif above_1(i) = '1' then
-          code_v := code(to_signed(count_high_c(i), count_bits_c));
-        end if;
-        code_2((i + 1) * operand_bits_c - 1 downto i * operand_bits_c) <= code_v;
-        clamped_2(i) <= below_1(i) or above_1(i);
       end if;
+
+    end process p_compare;
+
+    -- clamp
+
+    p_clamp : process (all) is
+
+      variable x_v : operand_t;
+
+    begin
+
+      x_v := truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), input_scale_fraction_c,
+                      operand_bits_c);
+
+      if far(2 * i) = '1' then
+        x_v := low_x_c;
+      elsif far(2 * i + 1) = '1' then
+        x_v := high_x_c;
+      end if;
+
+      x((i + 1) * operand_bits_c - 1 downto i * operand_bits_c) <= x_v;
+      clamped(i) <= far(2 * i) or far(2 * i + 1);
 
     end process p_clamp;
 
-  end generate g_clamp;
+  end generate g_axis;
 
-  p_valid : process (clk) is
+  -- One multiplier takes its clocks: the codes wait for it, its products hold.
+
+  g_serial : if serial_g generate
+    signal valid_1 : std_ulogic := '0';
+    signal codes_1 : signed(inputs_c * operand_bits_c - 1 downto 0);
   begin
 
-    if rising_edge(clk) then
-      valid_1 <= in_valid;
-      valid_2 <= valid_1;
-      if rst = '1' then
-        valid_1 <= '0';
-        valid_2 <= '0';
-      end if;
-    end if;
-
-  end process p_valid;
-
-  -- stages 3 and 4, or more with one multiplier: multiply
-  i_scale : entity work.gc_scale
-    generic map (
-      values_g  => inputs_c,
-      serial_g  => serial_g,
-      factors_g => input_scale_c
-    )
-    port map (
-      clk          => clk,
-      rst          => rst,
-      in_valid     => valid_2,
-      in_values    => code_2,
-      out_valid    => x_valid,
-      out_products => product
-    );
-
-  g_x : for i in 0 to inputs_c - 1 generate
-    x((i + 1) * operand_bits_c - 1 downto i * operand_bits_c)
- <= truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), input_scale_fraction_c,
-             operand_bits_c);
-  end generate g_x;
-
-  i_flags : entity work.gc_delay
-    generic map (
-      bits_g   => inputs_c,
-      clocks_g => scale_latency(inputs_c, serial_g)
-    )
-    port map (
-      clk      => clk,
-      in_data  => clamped_2,
-      out_data => x_clamped
-    );
-
-  g_near : if serial_g generate
-    out_valid <= x_valid;
-    out_x <= x;
-    out_clamped <= x_clamped;
-  end generate g_near;
-
-  -- last stage with several lanes: the way from the DSP block to all of them takes a clock of its own
-
-  g_far : if not serial_g generate
-    signal valid_5   : std_ulogic := '0';
-    signal x_5       : signed(inputs_c * operand_bits_c - 1 downto 0);
-    signal clamped_5 : std_ulogic_vector(inputs_c - 1 downto 0);
-  begin
-
-    p_x : process (clk) is
+    p_wait : process (clk) is
     begin
 
       if rising_edge(clk) then
-        valid_5 <= x_valid;
-        x_5 <= x;
-        clamped_5 <= x_clamped;
+        valid_1 <= in_valid;
+        if in_valid = '1' then
+          codes_1 <= codes;
+        end if;
         if rst = '1' then
-          valid_5 <= '0';
+          valid_1 <= '0';
         end if;
       end if;
 
-    end process p_x;
+    end process p_wait;
 
-    out_valid <= valid_5;
-    out_x <= x_5;
-    out_clamped <= clamped_5;
-  end generate g_far;
+    i_scale : entity work.gc_scale
+      generic map (
+        values_g  => inputs_c,
+        serial_g  => true,
+        factors_g => input_scale_c
+      )
+      port map (
+        clk          => clk,
+        rst          => rst,
+        in_valid     => valid_1,
+        in_values    => codes_1,
+        out_valid    => valid,
+        out_products => product
+      );
+
+    i_far : entity work.gc_delay
+      generic map (
+        bits_g   => 2 * inputs_c,
+        clocks_g => scale_latency(inputs_c, true)
+      )
+      port map (
+        clk      => clk,
+        in_data  => outside,
+        out_data => far
+      );
+
+    out_valid <= valid;
+    out_x <= x;
+    out_clamped <= clamped;
+  end generate g_serial;
+
+  -- stages 1 and 2: multiply; stage 3: clamp, so that the way from the DSP blocks to all lanes starts at a register
+
+  g_parallel : if not serial_g generate
+    signal valid_3   : std_ulogic := '0';
+    signal x_3       : signed(inputs_c * operand_bits_c - 1 downto 0);
+    signal clamped_3 : std_ulogic_vector(inputs_c - 1 downto 0);
+  begin
+
+    i_scale : entity work.gc_scale
+      generic map (
+        values_g  => inputs_c,
+        factors_g => input_scale_c
+      )
+      port map (
+        clk          => clk,
+        rst          => rst,
+        in_valid     => in_valid,
+        in_values    => codes,
+        out_valid    => valid,
+        out_products => product
+      );
+
+    p_clamped : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        far <= outside;
+        valid_3 <= valid;
+        if valid = '1' then
+          x_3 <= x;
+          clamped_3 <= clamped;
+        end if;
+        if rst = '1' then
+          valid_3 <= '0';
+        end if;
+      end if;
+
+    end process p_clamped;
+
+    out_valid <= valid_3;
+    out_x <= x_3;
+    out_clamped <= clamped_3;
+  end generate g_parallel;
 
 end architecture rtl;

@@ -5,8 +5,8 @@
 --
 -- In_valid comes hidden_c / lanes_g times per inference, neurons in the order of gc_hidden_lane.
 -- Formats: 18 bits, hidden_fraction_c -> output_sum_bits_c, full precision. Latency from the last in_valid of an
--- inference: 4 + ceil(log2(lanes_g)) clocks, or 3 + ceil(log2(lanes_g + 1)) with all neurons in one clock. Overflow:
--- cannot happen, output_sum_bits_c holds every partial sum.
+-- inference: 3 + ceil(log2(lanes_g)) clocks, 4 with one lane, 3 + ceil(log2(lanes_g + 1)) with all neurons in one
+-- clock. Overflow: cannot happen, output_sum_bits_c holds every partial sum.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -115,8 +115,9 @@ begin
 
     i_tree : entity work.gc_adder_tree
       generic map (
-        terms_g => terms_c,
-        bits_g  => sum_bits_c
+        terms_g       => terms_c,
+        bits_g        => sum_bits_c,
+        term_clocks_g => output_term_clocks(lanes_g, steps_c)
       )
       port map (
         clk       => clk,

@@ -2,7 +2,8 @@
 --
 -- out_products(i) = in_values(i) * factors(i) for n values: with n multipliers at once, or with one, in turn.
 --
--- in_values must hold until the next in_valid; out_products then hold from out_valid to out_valid.
+-- With one multiplier in_values must hold for values_g clocks. out_products hold from out_valid as long as in_values
+-- did, with one multiplier to the next out_valid.
 -- Formats: 18 x 18 -> 36 bits, value 0 lowest in the vectors. Latency: 2 clocks; with one multiplier values_g + 2, and
 -- in_valid must then stay values_g clocks apart. Overflow: cannot happen.
 

@@ -10,6 +10,7 @@ generated/gc_compensation_pkg.vhd
 gc_multiply.vhd
 gc_delay.vhd
 gc_ring.vhd
+gc_copy.vhd
 gc_adder_tree.vhd
 gc_weight_rom.vhd
 gc_scale.vhd

@@ -11,7 +11,7 @@ from collections import Counter
 import cocotb
 import pytest
 from cocotb.handle import HierarchyObject
-from cocotb.triggers import FallingEdge
+from cocotb.triggers import FallingEdge, Timer
 
 from codes import fixed_network, pack
 from gravcomp.counting import count_network_operations
@@ -62,12 +62,12 @@ async def one_inference(dut):
     await start(dut)
     dut.in_count.value = pack([1000 * (i + 1) for i in range(fixed.n_axes)], COUNT_BITS)
     dut.in_valid.value = 1
-    await FallingEdge(dut.clk)
-    dut.in_valid.value = 0
-    total += operations(watched, fixed.n_axes)
     for _ in range(80):
-        await FallingEdge(dut.clk)
+        # Before the rising edge that begins the operations.
+        await Timer(1, "ns")
         total += operations(watched, fixed.n_axes)
+        await FallingEdge(dut.clk)
+        dut.in_valid.value = 0
     rows = [{"kind": kind, "layer": layer, "number": n} for (kind, layer), n in sorted(total.items())]
     (BUILD / f"budget-{os.environ['LANES_G']}.json").write_text(json.dumps(rows))
 

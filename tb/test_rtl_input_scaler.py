@@ -32,7 +32,7 @@ async def corners_and_random_counts(dut):
     x, is_clamped = input_scaler(counts, fixed)
     np.testing.assert_array_equal(unpack(got.outputs["out_x"], OPERAND_BITS, n), x)
     np.testing.assert_array_equal(unpack(got.outputs["out_clamped"], 1, n) != 0, is_clamped)
-    assert latencies(got) == {n + 4 if is_serial else 5}
+    assert latencies(got) == {n + 3 if is_serial else 3}
     assert int(dut.out_x.value) == got.outputs["out_x"][-1], "the result did not hold"
 
 

@@ -25,7 +25,7 @@ async def sums_of_random_activations(dut):
     np.testing.assert_array_equal(totals, output_layer(h, fixed))
     last_of_inference = got.accepted[steps - 1 :: steps]
     delays = {out - last for last, out in zip(last_of_inference, got.valid, strict=True)}
-    assert delays == {4 + int(np.ceil(np.log2(lanes))) if steps > 1 else 3 + int(np.ceil(np.log2(lanes + 1)))}
+    assert delays == {3 + int(lanes == 1) + int(np.ceil(np.log2(lanes + (steps == 1))))}
 
 
 @cocotb.test()

