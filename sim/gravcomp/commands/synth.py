@@ -1,0 +1,44 @@
+"""Area and clock of the core per number of lanes with free tools; docs/synthesis.md and its picture."""
+
+import os
+from pathlib import Path
+
+from gravcomp.errors import InputError
+from gravcomp.files import write_atomically
+from gravcomp.proof.pictures import save_figure
+from gravcomp.synthesis.report import picture, tables
+from gravcomp.synthesis.survey import PARTS, survey
+
+MARK = "<!-- written by `make synth`; do not edit below -->\n"
+
+
+def add_arguments(parser):
+    parser.add_argument(
+        "--lanes", type=int, nargs="+", default=[1, 4, 20], choices=sorted(PARTS), help="neurons per clock"
+    )
+    parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
+    parser.add_argument("--build", type=Path, default=Path("build"), help="folder of measured latencies and of results")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
+    parser.add_argument("--docs", type=Path, help="folder whose synthesis.md and picture are to be renewed")
+
+
+def run(arguments):
+    if arguments.jobs < 1:
+        raise InputError(f"--jobs {arguments.jobs}: need one or more")
+    results = survey(sorted(set(arguments.lanes)), arguments.rtl, arguments.build, arguments.jobs)
+    text = tables(results)
+    print(text)
+    save_figure(picture(results), arguments.build / "synth" / "synthesis.png")
+    if arguments.docs:
+        _renew(arguments.docs / "synthesis.md", text)
+        save_figure(picture(results), arguments.docs / "figures" / "synthesis.png")
+
+
+def _renew(page: Path, text: str) -> None:
+    try:
+        head, found, _ = page.read_text().partition(MARK)
+    except OSError:
+        raise InputError(f"{page}: not found; --docs names the folder of synthesis.md") from None
+    if not found:
+        raise InputError(f"{page}: its line {MARK.strip()!r} is missing; put it where the tables begin")
+    write_atomically(page, head + MARK + "\n" + text)

@@ -1,0 +1,171 @@
+"""Synthesis of gc_core: cells are those of tb/synthesis.csv, a multiplier per product, no latch; a floor of the clock.
+
+After an intended change of the RTL or of a pinned tool, `REFRESH=1 pytest tb/test_py_synthesis.py -k cells` writes the
+file anew; the difference is for review.
+"""
+
+import csv
+import json
+import os
+import subprocess
+
+import pytest
+
+from gravcomp.errors import InputError
+from gravcomp.synthesis.place_route import place_and_route, prepare
+from gravcomp.synthesis.report import picture, tables
+from gravcomp.synthesis.survey import MULTIPLIER, TOP, Result
+from gravcomp.synthesis.verilog import repair, rtl_sources, to_verilog
+from gravcomp.synthesis.yosys import synthesise
+from runner import ROOT, RTL
+
+PINS = ROOT / "tb" / "synthesis.csv"
+TARGETS = ("generic", "ecp5", "xilinx", "gowin")
+# Estimates of 20 lanes take minutes and are those of 4 lanes five times over.
+CASES = [(lanes, target) for lanes in (1, 4) for target in TARGETS]
+CASES += [pytest.param(20, target, marks=pytest.mark.slow) for target in ("generic", "ecp5")]
+INPUTS = OUTPUTS = 3
+
+
+def core(lanes: int, target: str, folder, **options):
+    verilog = to_verilog(rtl_sources(RTL), TOP, {"lanes_g": lanes}, folder / "core.v")
+    mapping = RTL / MULTIPLIER if target == "ecp5" else None
+    return synthesise(verilog, TOP, target, folder, mapping=mapping, **options)
+
+
+def pinned() -> dict[tuple[int, str, str], int]:
+    with PINS.open() as file:
+        return {(int(row["lanes"]), row["target"], row["cell"]): int(row["number"]) for row in csv.DictReader(file)}
+
+
+def refresh(found: dict[tuple[int, str, str], int]) -> None:
+    replaced = {key[:2] for key in found}
+    rows = {key: n for key, n in pinned().items() if key[:2] not in replaced} | found
+    with PINS.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["lanes", "target", "cell", "number"])
+        writer.writerows([*key, number] for key, number in sorted(rows.items()))
+
+
+@pytest.mark.parametrize(("lanes", "target"), CASES)
+def test_cells_are_those_pinned(lanes, target, tmp_path):
+    cells = core(lanes, target, tmp_path).cells
+    found = {(lanes, target, name): number for name, number in cells.items() if name != "$scopeinfo"}
+    assert not [name for name in cells if "dlatch" in name.lower()]
+    if os.environ.get("REFRESH"):
+        refresh(found)
+    assert found == {key: number for key, number in pinned().items() if key[:2] == (lanes, target)}
+
+
+@pytest.mark.parametrize(("lanes", "products"), [(1, 9), (4, 34), (20, 146)])
+def test_pinned_multipliers_are_one_per_product(lanes, products):
+    """Per lane one product per input, one of Gamma and one per output; the scalers have three each, or one in all."""
+    assert products == lanes * (INPUTS + 1 + OUTPUTS) + (2 if lanes == 1 else INPUTS + OUTPUTS)
+    numbers = pinned()
+    assert numbers[lanes, "generic", "$mul"] == products
+    assert numbers[lanes, "ecp5", "MULT18X18D"] == products
+    if lanes < 20:
+        assert numbers[lanes, "xilinx", "DSP48E1"] == numbers[lanes, "gowin", "MULT18X18"] == products
+
+
+def test_pinned_roms_are_logic_not_block_ram():
+    assert not [key for key in pinned() if key[2].startswith(("DP16KD", "RAMB", "SP", "DP", "pROM"))]
+
+
+@pytest.mark.slow
+def test_clock_of_one_lane_is_above_its_floor(tmp_path):
+    prepare()
+    netlist = core(1, "ecp5", tmp_path, registered=True).json
+    placed = place_and_route(netlist, part="25k", speed=6, seed=1, out=tmp_path / "placed")
+    assert placed.used["MULT18X18D"] == 9
+    assert placed.used["TRELLIS_COMB"] <= 1200
+    # Seeds differ by five percent; the table of docs/synthesis.md has the best of three.
+    assert placed.clock_mhz > 175
+
+
+def test_repair_reads_wide_strings_as_bits():
+    bits = "10" * 20
+    assert repair(f'assign a = "{bits}";') == f"assign a = 40'b{bits};"
+
+
+def test_repair_makes_signed_products_of_the_operands():
+    extended = "assign x = {{18{a[17]}}, a}; // sext\nassign y = {{18{b[17]}}, b}; // sext\n"
+    assert repair(extended + "assign p = x * y; // smul") == extended + "assign p = $signed(a) * $signed(b);"
+
+
+@pytest.mark.parametrize(
+    "verilog",
+    [
+        'x #(.MODE("FAST")) i ();',
+        'assign a = "101";',
+        "assign a = abs b;",
+        "assign a = b mod c;",
+        "assign p = x * y; // smul",
+        "case (s) 2'b00: a = b; endcase",
+    ],
+)
+def test_repair_refuses_what_would_be_silently_wrong(verilog):
+    with pytest.raises(InputError, match="GHDL wrote"):
+        repair(verilog)
+
+
+def test_repair_leaves_a_case_with_default():
+    code = "case (s) 2'b00: a = b; default: a = c; endcase"
+    assert repair(code) == code
+
+
+def test_latch_is_refused(tmp_path):
+    verilog = tmp_path / "latch.v"
+    verilog.write_text("module latch(input e, input d, output reg q); always @* if (e) q = d; endmodule")
+    with pytest.raises(InputError, match=r"[Ll]atch"):
+        synthesise(verilog, "latch", "generic", tmp_path)
+
+
+def test_unknown_entity_is_refused(tmp_path):
+    with pytest.raises(InputError, match="ghdl"):
+        to_verilog(rtl_sources(RTL), "gc_nothing", {}, tmp_path / "x.v")
+
+
+def result(**changes) -> Result:
+    """A made-up result of four lanes."""
+    values = {
+        "lanes": 4,
+        "interval": 5,
+        "latency": 27,
+        "port_flip_flops": 178,
+        "cells": {
+            "placed": {"TRELLIS_COMB": 1800, "TRELLIS_FF": 2178, "MULT18X18D": 34},
+            "xilinx": {"LUT2": 10, "SRL16E": 1, "FDRE": 20, "DSP48E1": 34},
+            "gowin": {"LUT3": 7, "ALU": 8, "DFFE": 9, "MULT18X18": 34},
+        },
+        "clock_mhz": {6: [180.0, 200.0, 190.0], 8: [240.0, 260.0, 250.0]},
+        "slowest_path": {6: ("a", "b"), 8: ("c", "d")},
+    }
+    return Result(**values | changes)
+
+
+def test_clocks_that_are_not_credible_are_not_quoted():
+    assert result().quoted_mhz(6) == 200.0
+    assert result().quoted_mhz(8) == 250.0
+
+
+def test_table_tells_core_cells_latency_and_rate():
+    row = next(line for line in tables([result()]).splitlines() if line.startswith("| 4 | LFE5U-45F"))
+    assert row == (
+        "| 4 | LFE5U-45F | 1800 | 2000 | 34 | 0 | 5, 27 | 200 / 250* | 180-200 / 240-260 | 135 / 108 | 40.0 / 50.0 |"
+    )
+    assert "| 4 | 11 | 20 | 34 | 0 | 15 | 9 | 34 | 0 |" in tables([result()])
+
+
+def test_picture_shows_every_number_of_lanes():
+    texts = [text.get_text() for text in picture([result(), result(lanes=1, interval=20)]).axes[0].texts]
+    assert [text.split()[0] for text in texts] == ["4", "1"]
+
+
+def test_command_refuses_a_missing_measurement(tmp_path):
+    command = [str(ROOT / ".venv/bin/gravcomp"), "synth", "--lanes", "1", "--build", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 2
+    assert "make latency" in done.stderr
+    (tmp_path / "core-3-20-1.json").write_text(json.dumps({"interval": 20}))
+    assert subprocess.run(command, capture_output=True, cwd=ROOT, check=False).returncode == 2
