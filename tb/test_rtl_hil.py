@@ -31,11 +31,12 @@ AXI_MHZ = 0.97 * CORE_MHZ
 STEP_FS = round(1e15 * TIME_STEP_S)
 FEWEST_CLOCKS_PER_EDGE = 2  # limit speed of gc_quad_decoder
 READ_FS = STEP_FS // 2  # before the end of a period the host reads the positions
-INJECT_CLOCKS = 20  # after the start of a period
+EDGES_CLOCKS = 20  # of a period, in which its edges come
+INJECT_CLOCKS = 30  # after the start of a period
 MOST_STEPS_TO_RELEASE, MOST_REACTION_CLOCKS = 100, 25
 LEAST_IMPROVEMENT = 100  # of the RMS error while holding; measured: 800 in the first 0.1 s
 LARGEST_PID_SHARE = 0.05  # of the RMS force of the PID, with the core and alone; measured: 0.002
-STOP_S = 0.010
+STOP_S = 0.015  # from the closing of the brakes until the platform is still; measured: 0.009 at most
 REACTION_CLOCKS = {Fault.ESTOP: 3, Fault.ENCODER: 7 + 2}  # docs/safety.md
 SETTINGS = {
     "tick_clocks": CLOCKS_PER_STEP,
@@ -86,7 +87,10 @@ class Loop:
         raise AssertionError("the brakes do not open")
 
     async def step(self, target_m: np.ndarray, fault: Fault = Fault.NONE) -> None:
-        """One control period: physics under the last forces, edges on the pins, a reading, new forces."""
+        """One control period: physics under the last forces, edges on the pins, a reading, new forces.
+
+        target_m (3,): for the end of the physics' step, which is what is read.
+        """
         ends_fs = round(get_sim_time("fs")) + STEP_FS
         self.robot.step(self.pid_n + self.core_n, self.is_released)
         self.move_encoders()
@@ -94,16 +98,15 @@ class Loop:
             await self.inject(fault)
         await Timer(ends_fs - READ_FS - round(get_sim_time("fs")), "fs")
         await self.system.registers.read("result_number")
-        reading_m = np.array(await self.system.registers.read_axes("position")) * self.p.encoder_m_per_count
+        reading_m = np.array(await self.system.registers.read_axes("position_now")) * self.p.encoder_m_per_count
         await self.system.registers.write("command", 2)
         await Timer(ends_fs - round(get_sim_time("fs")), "fs")  # ValueError when the host was too slow
         self.take_commands(target_m - reading_m)
 
     def move_encoders(self) -> None:
-        """Spread the edges of the fastest axis over the period."""
         counts = self.counts()
         most = max(1, np.abs(counts - self.last_counts).max())
-        self.dut.clocks_per_edge.value = max(FEWEST_CLOCKS_PER_EDGE, CLOCKS_PER_STEP // int(most + 1))
+        self.dut.clocks_per_edge.value = max(FEWEST_CLOCKS_PER_EDGE, EDGES_CLOCKS // int(most))
         self.dut.target.value = pack(counts, COUNT_BITS)
         self.last_counts = counts
 
@@ -134,8 +137,8 @@ class Loop:
             await FallingEdge(self.dut.clk)
             self.reaction_clocks += 1
 
-    def record(self, t_s: float, target_m: np.ndarray) -> None:
-        is_released = bool(self.is_released.all())
+    def record(self, t_s: float) -> None:
+        target_m, is_released = self.run.target_m(t_s, self.p), bool(self.is_released.all())
         row = (t_s, target_m, self.robot.q_m, self.pid_n, self.core_n, is_released, self.robot.platform_radps)
         self.rows.append(row)
 
@@ -151,9 +154,9 @@ async def closed_loop(dut, index):
     await loop.start()
     with open(os.environ["PROGRESS"], "a") as terminal:
         for k in tqdm(range(n_steps), desc=run.name, file=terminal, unit="ms", disable=not IS_FULL):
-            target_m = run.target_m(k * TIME_STEP_S, loop.p)
-            loop.record(k * TIME_STEP_S, target_m)
+            loop.record(k * TIME_STEP_S)
             is_fault = abs(k * TIME_STEP_S - run.fault_s) < TIME_STEP_S / 2
+            target_m = run.target_m((k + 1) * TIME_STEP_S, loop.p)
             await loop.step(target_m, run.fault if is_fault else Fault.NONE)
     save(RESULTS, run, loop.log())
 

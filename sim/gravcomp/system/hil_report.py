@@ -4,11 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gravcomp.system.hil import Log, Run, rms, stop_after
+from gravcomp.system.hil import Fault, Log, Run, rms, stop_after
 
 Logs = Sequence[tuple[Run, Log]]
 _NAMES = {False: "PID alone", True: "PID and core"}
 _COLOURS = {False: "tab:red", True: "tab:blue"}
+_STYLES = {Fault.ESTOP: "-", Fault.ENCODER: "--"}
 
 
 def tracking_table(runs: Logs) -> str:
@@ -62,11 +63,12 @@ def picture(tracked: Logs, stopped: Logs):
     force.set(title="Force of the PID, worst axis", ylabel="N", xlabel="time since the brakes opened, s")
     for run, log in stopped:
         after_ms = 1e3 * (log.t_s - run.fault_s)
-        start = np.flatnonzero(after_ms >= 0)[0]
-        name = f"{run.fault}, brakes close in {1e3 * run.closing_s:.0f} ms"
-        path.plot(after_ms, 1e6 * np.abs(log.q_m - log.q_m[start]).max(axis=1), label=name)
-        speed.semilogy(after_ms, 1e3 * log.platform_radps, label=name)
-    path.set(title="Way of the carriages from the fault, worst axis", ylabel="um", xlim=(-10, 50))
+        way_um = 1e6 * np.abs(log.q_m - log.q_m[np.argmax(after_ms >= 0)]).max(axis=1)
+        shown = (after_ms > -10) & (after_ms < 50)
+        style = {"label": f"{run.fault}, brakes close in {1e3 * run.closing_s:.0f} ms", "linestyle": _STYLES[run.fault]}
+        path.plot(after_ms[shown], way_um[shown], **style)
+        speed.semilogy(after_ms[shown], 1e3 * log.platform_radps[shown], **style)
+    path.set(title="Distance from where the fault came, worst axis", ylabel="um")
     speed.set(title="Angular speed of the platform", ylabel="mrad/s", xlabel="time since the fault, ms")
     path.legend(fontsize="small")
     for axes in figure.axes:
