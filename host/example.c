@@ -24,6 +24,10 @@ const gravcomp_bus memory_bus = {read_memory, write_memory, (void *)BASE};
 
 #define POLLS 100000u
 
+#ifndef TICK_US
+#define TICK_US 100
+#endif
+
 static void print_state(const gravcomp_state *state)
 {
     printf("%6lu", (unsigned long)state->result_number);
@@ -53,7 +57,7 @@ int run_example(const gravcomp_bus *bus, int n_results)
         .speed_max_counts_per_s = 500000,
         .current_limit_ua = 4000000,
         .current_slew_ua = 500000,
-        .tick_us = 100,
+        .tick_us = TICK_US,
         .saturation_us = 10000,
         .watchdog_us = 20000,
         .result_us = 1000,

@@ -5,7 +5,7 @@
 -- One inference at a time: a tick or a start that finds one under way is not taken; a tick is then counted as missed.
 -- Settings and state are words of gc_system_pkg. State tells of results only whole ones: position and speed are those
 -- of the clock that started the inference, shown together with its forces.
--- Latency from start to drive_current: that of gc_top and 4 clocks; to the state 1 clock after gc_top.
+-- Latency from start to drive_current: those of gc_top and gc_drive; to the state 1 clock after gc_top.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -197,7 +197,7 @@ async def example(dut):
 
 
 def simulate_host(cocotb_test: str) -> None:
-    library = compile_host(BUILD / "host" / cocotb_test)
+    library = compile_host(BUILD / "host" / cocotb_test, "-DTICK_US=20")
     simulate(
         "gc_system_bench",
         "test_rtl_host",

@@ -498,8 +498,8 @@ async def path_latency(dut):
     controller = dut.i_system.i_controller
     dut.clocks_per_edge.value = tick_clocks + 1  # every phase of the tick
     dut.target.value = pack([5002, -3002, 4002], COUNT_BITS)
-    count, starts, latencies = 2002, [], []
-    edges, pins = [], None
+    count, starts, latencies, steps = 2002, [], [], set()
+    edges, pins, counted = [], None, None
     for clock in range(70 * 61):
         await FallingEdge(dut.clk)
         now = (int(dut.pin_a.value) & 1, int(dut.pin_b.value) & 1)
@@ -507,12 +507,23 @@ async def path_latency(dut):
             count += 1
             edges.append((count, clock))
         pins = now
+        known = unpack([int(controller.count.value)], COUNT_BITS, N_AXES)[0][0]
+        if counted not in (None, known):
+            to_count = clock - edges[-1][1]
+        counted = known
         if controller.begins.value == 1:
-            starts.append(unpack([int(controller.count.value)], COUNT_BITS, N_AXES)[0][0])
+            starts.append((known, clock))
+        if controller.top_valid.value == 1 and starts:
+            to_current = clock - starts[-1][1]
         if dut.drive_valid.value == 1 and starts:
-            known = starts.pop()
+            known, began = starts.pop()
+            if latencies:
+                steps.add((to_count, to_current, clock - began - to_current))
             while edges and edges[0][0] <= known:
                 latencies.append(clock - edges.pop(0)[1])
+    assert len(steps) == 1
+    edge, top, drive = steps.pop()
+    print(f"MEASURED {edge} clocks from edge to count, {top} from tick to current, {drive} through the limits")
     report_latency(np.array(latencies), tick_clocks)
 
 
