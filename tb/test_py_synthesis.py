@@ -62,7 +62,8 @@ def test_pinned_multipliers_are_one_per_product(lanes, products):
     """Per lane one product per input, one of Gamma and one per output; the scalers have three each, or one in all."""
     assert products == lanes * (INPUTS + 1 + OUTPUTS) + (2 if lanes == 1 else INPUTS + OUTPUTS)
     numbers = pinned()
-    assert numbers[lanes, "generic", "$mul"] == products
+    # With 20 lanes the weights are constants: one of them is a power of two, which Yosys makes a shift.
+    assert numbers[lanes, "generic", "$mul"] == products - (lanes == 20)
     assert numbers[lanes, "ecp5", "MULT18X18D"] == products
     if lanes < 20:
         assert numbers[lanes, "xilinx", "DSP48E1"] == numbers[lanes, "gowin", "MULT18X18"] == products
