@@ -4,7 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gravcomp.formal.model_check import Verdict, model_check, shortest_run
+from gravcomp.formal.model_check import Verdict, induct, model_check, shortest_run
+from gravcomp.formal.sums import hidden_sums, output_sums
+from gravcomp.network.quantise import quantise
+from gravcomp.network.weights import load_network
+from gravcomp.robot.parameters import load_parameters
 from gravcomp.synthesis.verilog import rtl_sources, to_verilog
 
 HIDDEN = 20
@@ -35,14 +39,27 @@ CLAIMS = (
     Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 0, "speed_timeout_g": 20}),
     Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 4}),
     *(Claim("valid_pipeline", "gc_core", {"lanes_g": n}, {"INTERVAL": HIDDEN // n}, 0) for n in LANES),
+    # One lane holds all neurons; the hidden sums are the same with more.
+    Claim("hidden_sums", "gc_hidden_lane", {"lanes_g": 1}),
+    *(Claim("output_sums", "gc_output_layer", {"lanes_g": n}) for n in (1, 4, 20)),
     Claim("safety", "gc_safety"),
     Claim("top", "gc_top", {"lanes_g": 4}, clocks_behind_core=16),
 )
 
 
+SUMS = {"hidden_sums": hidden_sums, "output_sums": output_sums}
+
+
 def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
     """Prove or refute a claim about the VHDL of folder rtl; intermediate files go to a folder of its name in out."""
     folder, parameters = out / claim.name, dict(claim.parameters)
+    if claim.checker in SUMS:
+        design = _design(claim.entity, claim.generics, rtl, folder)
+        # tb/formal stands beside the weights that are shipped.
+        fixed = quantise(load_network(checkers.parents[1] / "weights" / "spheiro"), load_parameters())
+        checker = folder / f"{claim.checker}.sv"
+        checker.write_text(SUMS[claim.checker](fixed, claim.generics["lanes_g"]))
+        return induct(design, checker, folder)
     if claim.clocks_behind_core is not None:
         core = _design("gc_core", claim.generics, rtl, folder / "core")
         # The shortest run to a result; that all others take as long is then proven.

@@ -65,6 +65,23 @@ def model_check(
     )
 
 
+def induct(verilog: Path, checker: Path, out: Path) -> Verdict:
+    """Prove a checker with a single assertion that is inductive as it stands: holds at power-up, each clock keeps it.
+
+    For assertions about arithmetic, where PDR is lost. Arguments and errors of model_check.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    graph = out / "graph.aig"
+    (name,) = _write_graph(verilog, checker, {}, graph)
+    read = f"read_aiger {graph}; fold; strash"
+    step = _abc(f"{read}; ind -F 2", out / "ind.log")
+    # The step assumes one clock of the assertion: power-up is checked for two.
+    clocks = 2 if "Networks are equivalent" in step else 12
+    if found := re.search(r"was asserted in frame +(\d+)", _abc(f"{read}; bmc3 -F {clocks} -T 60", out / "bmc.log")):
+        return Verdict((), {name: int(found[1]) + 1}, ())
+    return Verdict((name,), {}, ()) if clocks == 2 else Verdict((), {}, (name,))
+
+
 def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[str, int]) -> int:
     """Clocks of the shortest run from power-up that breaks the only assertion of a checker; arguments of model_check.
 
