@@ -48,7 +48,7 @@ PLANTED = [
      "none_lost"),
     ("valid_pipeline-lanes_g20", "gc_core", "in_ready <= since(0);", "in_ready <= since(0) and not x_valid;",
      "always_ready"),
-    ("output_sums-lanes_g1", "gc_output_layer", "if rst = '1' or last = '1' then", "if rst = '1' then",
+    ("output_sums-lanes_g1", "gc_output_layer", "acc(high_c downto low_c) + tree", "acc(high_c downto low_c) - tree",
      "no_sum_overflows"),
 ]  # fmt: skip
 
