@@ -20,6 +20,7 @@ def add_arguments(parser):
     parser.add_argument("--jobs", type=int, default=2, help="mutants at a time (default 2)")
     parser.add_argument("--out", type=Path, default=Path("build/mutation"), help="folder of the outcomes, a file each")
     parser.add_argument("--survivors", action="store_true", help="try again those that survived the last time")
+    parser.add_argument("--no-baseline", action="store_true", help="take it that the tests pass without a fault")
     parser.add_argument("--docs", type=Path, help="folder for mutation.md")
 
 
@@ -32,7 +33,7 @@ def run(arguments):
                    if (order := [m for m in all_of_it if m in again])}  # fmt: skip
     total = sum(min(share, len(order)) for share, order in planned.values())
     print(f"seed {arguments.seed}: {total} faults in {len(planned)} entities", flush=True)
-    if planned:
+    if planned and not arguments.no_baseline:
         campaign.check_baseline(root, planned, arguments.out / "baseline")
     with tqdm(total=total, desc="mutants") as bar:
 
