@@ -10,6 +10,8 @@ _HEADER = (
     "| latency, ns, speed {speeds} | inferences per us, speed {speeds} | largest error, of full scale | seeds |"
 )
 
+_VERDICT = {True: "reached", False: "NOT reached", None: "not measured"}
+
 
 def table(rows: Sequence[Row]) -> str:
     """Markdown: one line per design. A latency in brackets is the one that the tool itself claims."""
@@ -19,9 +21,7 @@ def table(rows: Sequence[Row]) -> str:
 
 def claims_table(claims: Sequence[Claim]) -> str:
     """Markdown: each claim, reached or not, with its figures."""
-    lines = [
-        f"| {claim.text} | {'reached' if claim.is_reached else 'NOT reached'} | {claim.figures} |" for claim in claims
-    ]
+    lines = [f"| {claim.text} | {_VERDICT[claim.is_reached]} | {claim.figures} |" for claim in claims]
     return "\n".join(["| to reach | | measured |", "|---|---|---|", *lines])
 
 
