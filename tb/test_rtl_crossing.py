@@ -65,6 +65,8 @@ class Traffic:
             if dut.out_valid.value == 1:
                 self.received.append(int(dut.out_data.value) if has_data else len(self.received))
                 self.arrived_fs.append(round(get_sim_time("fs")))
+            elif has_data and self.received:
+                assert int(dut.out_data.value) == self.received[-1], "the word changed before it was announced"
 
     async def watch(self, signal) -> None:
         while True:
