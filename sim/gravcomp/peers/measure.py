@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gravcomp.peers.design import PeerDesign
-from gravcomp.synthesis.place_route import Placement, place_and_route, read_report
+from gravcomp.synthesis.place_route import Placement, place_and_route
 from gravcomp.synthesis.yosys import synthesise
 
 PART, SPEEDS = "85k", (6, 8)
@@ -43,24 +43,15 @@ class Row:
 
 
 def measure(design: PeerDesign, seeds: Sequence[int], progress: Callable[[], None]) -> Row:
-    """Synthesise and place a peer's design beside its Verilog; progress is called after every placement.
-
-    A placement of the same netlist that is there already is not made again.
-    """
+    """Synthesise and place a peer's design beside its Verilog; progress is called after every placement."""
     folder, placed = design.verilog.parent, []
     netlist = synthesise(design.verilog, design.top, "ecp5", folder / "ecp5").json
     for speed in SPEEDS:
         for seed in seeds:
-            placed.append((speed, _placement(netlist, folder / f"speed{speed}-seed{seed}", speed, seed)))
+            out = folder / f"speed{speed}-seed{seed}"
+            placed.append((speed, place_and_route(netlist, part=PART, speed=speed, seed=seed, out=out)))
             progress()
     return row(design, placed)
-
-
-def _placement(netlist: Path, out: Path, speed: int, seed: int) -> Placement:
-    report, placed = out / "report.json", out / "netlist.json"
-    if report.exists() and placed.read_bytes() == netlist.read_bytes():
-        return read_report(report)
-    return place_and_route(netlist, part=PART, speed=speed, seed=seed, out=out)
 
 
 def row(design: PeerDesign, placed: Sequence[tuple[int, Placement]]) -> Row:
