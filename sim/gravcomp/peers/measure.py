@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from gravcomp.peers.design import PeerDesign
 from gravcomp.synthesis.place_route import Placement, place_and_route
