@@ -81,6 +81,10 @@ def picture(results: Sequence[Result]):
         rate = r.quoted_mhz(SPEEDS[0]) / r.interval
         axes.annotate(text, (rate, cells), (-8, 8), textcoords="offset points", ha="right", fontsize=8)
     axes.set_xlim(left=axes.get_xlim()[0] / 4)
+    axes.set_ylim(top=axes.get_ylim()[1] * 1.3)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("")
     axes.set_xlabel("inferences per second, million")
     axes.set_ylabel("logic cells, TRELLIS_COMB")
     axes.grid(True, which="both", alpha=0.3)
