@@ -69,6 +69,7 @@ def _count(cells: dict[str, int], *prefixes: str) -> int:
 def picture(results: Sequence[Result]):
     """Logic cells against inferences per second, a curve per speed grade. Returns a Matplotlib figure."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator
 
     figure = Figure(figsize=(7.0, 4.5))
     axes = figure.add_subplot()
@@ -83,6 +84,7 @@ def picture(results: Sequence[Result]):
     axes.set_xlim(left=axes.get_xlim()[0] / 4)
     axes.set_ylim(top=axes.get_ylim()[1] * 1.3)
     for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter("")
     axes.set_xlabel("inferences per second, million")
