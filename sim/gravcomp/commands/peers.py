@@ -12,7 +12,7 @@ from gravcomp.network.weights import load_network
 from gravcomp.peers import report
 from gravcomp.peers.claims import claims
 from gravcomp.peers.design import normalised_inputs
-from gravcomp.peers.measure import SPEEDS, measure
+from gravcomp.peers.measure import measure
 from gravcomp.peers.ours import core_error, core_rows
 from gravcomp.peers.page import renew
 from gravcomp.proof.pictures import save_figure
@@ -31,6 +31,7 @@ def add_arguments(parser):
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="weights folder")
     parser.add_argument("--build", type=Path, default=Path("build"), help="folder of gravcomp synth and for new files")
     parser.add_argument("--docs", type=Path, help="folder whose peers.md and picture are to be renewed")
+    parser.add_argument("--speeds", type=int, nargs="+", default=[6, 8], choices=[6, 7, 8], help="speed grades")
     parser.add_argument("--seeds", type=int, default=3, help="placements per design and speed grade")
 
 
@@ -48,8 +49,8 @@ def run(arguments):
         for name, activation, cutoff in DA4ML_BUILDS
     ]
     seeds = range(1, arguments.seeds + 1)
-    with tqdm(total=len(designs) * len(SPEEDS) * len(seeds), desc="placements", disable=None) as bar:
-        peers = [measure(design, seeds, bar.update) for design in designs]
+    with tqdm(total=len(designs) * len(arguments.speeds) * len(seeds), desc="placements", disable=None) as bar:
+        peers = [measure(design, arguments.speeds, seeds, bar.update) for design in designs]
     text = "\n".join([report.table([*ours.values(), *peers]), "", report.claims_table(claims(ours, peers))])
     print(text)
     if arguments.docs:

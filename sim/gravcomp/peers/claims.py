@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from operator import ge, gt
 
-from gravcomp.peers.measure import SPEEDS, Row
+from gravcomp.peers.measure import Row, common_speeds
 
 ERROR_LIMIT = 2.5e-4  # of full scale
 
@@ -43,7 +43,7 @@ def claims(ours: Mapping[int, Row], peers: Sequence[Row]) -> list[Claim]:
 
 
 def _quickest(rows: Sequence[Row]) -> Row:
-    return min(rows, key=lambda row: row.latency_claimed_ns(SPEEDS[0]))
+    return min(rows, key=lambda row: row.latency_claimed_ns(min(row.clock_mhz)))
 
 
 def _smallest(rows: Sequence[Row]) -> Row:
@@ -51,13 +51,15 @@ def _smallest(rows: Sequence[Row]) -> Row:
 
 
 def _lower_latency(core: Row, rows: Sequence[Row]) -> tuple[bool, str]:
-    pairs = [(core.latency_ns(speed), min(row.latency_claimed_ns(speed) for row in rows)) for speed in SPEEDS]
-    return all(mine < theirs for mine, theirs in pairs), _at_each_speed(pairs, "ns")
+    speeds = common_speeds([core, *rows])
+    pairs = {speed: (core.latency_ns(speed), min(row.latency_claimed_ns(speed) for row in rows)) for speed in speeds}
+    return all(mine < theirs for mine, theirs in pairs.values()), _at_each_speed(pairs, "ns")
 
 
 def _clock(core: Row, rows: Sequence[Row], factor: float, is_reached: Callable) -> tuple[bool, str]:
-    pairs = [(core.clock_mhz[speed], max(row.clock_mhz[speed] for row in rows)) for speed in SPEEDS]
-    return all(is_reached(mine, factor * theirs) for mine, theirs in pairs), _at_each_speed(pairs, "MHz")
+    speeds = common_speeds([core, *rows])
+    pairs = {speed: (core.clock_mhz[speed], max(row.clock_mhz[speed] for row in rows)) for speed in speeds}
+    return all(is_reached(mine, factor * theirs) for mine, theirs in pairs.values()), _at_each_speed(pairs, "MHz")
 
 
 def _share(core: Row, row: Row, limit: float) -> tuple[bool, str]:
@@ -71,8 +73,5 @@ def _error(ours: Mapping[int, Row]) -> Claim:
     return Claim(text, error < ERROR_LIMIT, f"{error:.1e}")
 
 
-def _at_each_speed(pairs: Sequence[tuple[float, float]], unit: str) -> str:
-    texts = (
-        f"speed {s}: {mine:.1f} against {theirs:.1f} {unit}" for s, (mine, theirs) in zip(SPEEDS, pairs, strict=True)
-    )
-    return "; ".join(texts)
+def _at_each_speed(pairs: Mapping[int, tuple[float, float]], unit: str) -> str:
+    return "; ".join(f"speed {s}: {mine:.1f} against {theirs:.1f} {unit}" for s, (mine, theirs) in pairs.items())

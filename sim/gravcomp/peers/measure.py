@@ -1,13 +1,13 @@
 """Logic and clock of a peer's design: the flow that our core goes through, on LFE5U-85F."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from gravcomp.peers.design import PeerDesign
 from gravcomp.synthesis.place_route import Placement, place_and_route
 from gravcomp.synthesis.yosys import synthesise
 
-PART, SPEEDS = "85k", (6, 8)
+PART = "85k"
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,16 @@ class Row:
         return self.clock_mhz[speed] / self.interval
 
 
-def measure(design: PeerDesign, seeds: Sequence[int], progress: Callable[[], None]) -> Row:
+def common_speeds(rows: Iterable[Row]) -> list[int]:
+    """The speed grades at which all of the rows have a clock."""
+    return sorted(set.intersection(*(set(row.clock_mhz) for row in rows)))
+
+
+def measure(design: PeerDesign, speeds: Sequence[int], seeds: Sequence[int], progress: Callable[[], None]) -> Row:
     """Synthesise and place a peer's design beside its Verilog; progress is called after every placement."""
     folder, placed = design.verilog.parent, []
     netlist = synthesise(design.verilog, design.top, "ecp5", folder / "ecp5").json
-    for speed in SPEEDS:
+    for speed in speeds:
         for seed in seeds:
             out = folder / f"speed{speed}-seed{seed}"
             placed.append((speed, place_and_route(netlist, part=PART, speed=speed, seed=seed, out=out)))
@@ -55,8 +60,8 @@ def measure(design: PeerDesign, seeds: Sequence[int], progress: Callable[[], Non
 
 def row(design: PeerDesign, placed: Sequence[tuple[int, Placement]]) -> Row:
     """The best clock of all placements at each speed grade, with the cells of the first one."""
-    used = placed[0][1].used
-    best = {speed: max(found.clock_mhz for grade, found in placed if grade == speed) for speed in SPEEDS}
+    used, speeds = placed[0][1].used, sorted({speed for speed, _ in placed})
+    best = {speed: max(found.clock_mhz for grade, found in placed if grade == speed) for speed in speeds}
     return Row(
         name=design.name,
         comb=used["TRELLIS_COMB"],
@@ -64,7 +69,7 @@ def row(design: PeerDesign, placed: Sequence[tuple[int, Placement]]) -> Row:
         mult=used.get("MULT18X18D", 0),
         ram=used.get("DP16KD", 0),
         clock_mhz=best,
-        n_seeds=len(placed) // len(SPEEDS),
+        n_seeds=len(placed) // len(speeds),
         latency=design.latency,
         latency_claimed=design.latency_claimed,
         interval=design.interval,

@@ -11,7 +11,7 @@ from gravcomp.errors import InputError
 from gravcomp.network.quantise import quantise
 from gravcomp.network.weights import load_network
 from gravcomp.peers.jitter import PERCENTILES, Timing
-from gravcomp.peers.measure import SPEEDS, Row
+from gravcomp.peers.measure import Row
 from gravcomp.proof.bounds import fixed_point_error_mn
 from gravcomp.robot.parameters import load_parameters
 
@@ -43,7 +43,7 @@ def core_error(weights: Path, n_poses: int, seed: int) -> float:
 def core_timings(rows: dict[int, Row]) -> Iterator[Timing]:
     """The core's latency per number of lanes and speed grade; every percentile is the same."""
     for row in rows.values():
-        for speed in SPEEDS:
+        for speed in sorted(row.clock_mhz):
             yield Timing(f"{row.name}, speed {speed}", (row.latency_ns(speed),) * len(PERCENTILES))
 
 
@@ -55,8 +55,8 @@ def _row(result: dict, error: float) -> Row:
         ff=used["TRELLIS_FF"] - result["port_flip_flops"],
         mult=used.get("MULT18X18D", 0),
         ram=used.get("DP16KD", 0),
-        clock_mhz={speed: result["quoted_mhz"][str(speed)] for speed in SPEEDS},
-        n_seeds=len(result["clock_mhz"][str(SPEEDS[0])]),
+        clock_mhz={int(speed): mhz for speed, mhz in result["quoted_mhz"].items()},
+        n_seeds=min(map(len, result["clock_mhz"].values())),
         latency=result["latency"],
         latency_claimed=result["latency"],
         interval=result["interval"],
