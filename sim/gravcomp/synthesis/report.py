@@ -15,7 +15,7 @@ def tables(results: Sequence[Result]) -> str:
     """Markdown: what was placed on ECP5, then the estimates for 7-series and Gowin."""
     placed, estimated = [_placed_row(r) for r in results], [_estimated_row(r) for r in results]
     paths = [
-        f"- {r.lanes} lanes, speed {speed}: `{r.slowest_path[speed][0]}` to `{r.slowest_path[speed][1]}`"
+        f"- lanes {r.lanes}, speed {speed}: `{r.slowest_path[speed][0]}` to `{r.slowest_path[speed][1]}`"
         for r in results
         for speed in SPEEDS
     ]
