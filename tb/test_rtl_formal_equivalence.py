@@ -1,0 +1,29 @@
+"""The gate netlist of an entity is proven equal to its RTL; that of other RTL is not."""
+
+import pytest
+
+from gravcomp.formal.equivalence import netlist_equals
+from gravcomp.synthesis.verilog import rtl_sources, to_verilog
+from runner import RTL
+
+ENTITIES = {
+    "gc_glitch_filter": {},
+    "gc_quad_decoder": {"speed_timeout_g": 1000},
+    "gc_speed_meter": {"timeout_g": 1000},
+    "gc_brake_sequencer": {},
+    "gc_fault_latch": {},
+    "gc_ring": {},
+    "gc_adder_tree": {},
+}
+
+
+@pytest.mark.parametrize("entity", ENTITIES)
+def test_netlist_equals_rtl(entity, tmp_path):
+    design = to_verilog(rtl_sources(RTL), entity, ENTITIES[entity], tmp_path / "design.v")
+    assert netlist_equals(design, design, entity, tmp_path)
+
+
+def test_netlist_of_another_filter_differs(tmp_path):
+    four = to_verilog(rtl_sources(RTL), "gc_glitch_filter", {"samples_g": 4}, tmp_path / "four.v")
+    three = to_verilog(rtl_sources(RTL), "gc_glitch_filter", {"samples_g": 3}, tmp_path / "three.v")
+    assert not netlist_equals(four, three, "gc_glitch_filter", tmp_path)
