@@ -7,7 +7,7 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp.mutation.mutants import Mutant, draw
-from gravcomp.mutation.trial import CAUGHT, INVALID, SURVIVED, TIMEOUT, Outcome, run_tests, tests_of, try_mutant
+from gravcomp.mutation.trial import CAUGHT, INVALID, SURVIVED, TIMEOUT, Outcome, relevant_tests, run_tests, try_mutant
 
 TIMEOUT_S = 900.0
 
@@ -39,7 +39,7 @@ def plan(root: Path, n_mutants: int, seed: int, entities: Iterable[str] = ()) ->
 
 def check_baseline(root: Path, entities: Iterable[str], build: Path) -> None:
     """Raise InputError unless the tests that shall catch the mutants pass on the VHDL as it is."""
-    files = sorted({file for entity in entities for file in tests_of(entity, root / "rtl", root / "tb")})
+    files = sorted({file for entity in entities for file in relevant_tests(entity, root / "rtl", root / "tb")})
     result, test = run_tests(root, root / "rtl", build, files, 4 * TIMEOUT_S)
     if result != SURVIVED:
         raise InputError(f"without any fault {test or 'the tests'} {result}; make the tests pass first")
@@ -49,7 +49,7 @@ def run(
     root: Path, planned: dict[str, tuple[int, list[Mutant]]], jobs: int, on_outcome: Callable[[Outcome], None]
 ) -> list[Outcome]:
     """Try the mutants of each entity until its share compiled; on_outcome sees each one that did."""
-    tests = {entity: tests_of(entity, root / "rtl", root / "tb") for entity in planned}
+    tests = {entity: relevant_tests(entity, root / "rtl", root / "tb") for entity in planned}
     outcomes = []
     with ThreadPoolExecutor(jobs) as pool:
 

@@ -15,9 +15,17 @@ from gravcomp.mutation.mutants import Mutant
 
 CAUGHT, TIMEOUT, SURVIVED, INVALID = "caught", "time-out", "survived", "does not compile"
 # Proofs of the unchanged claims; the faults that these files plant themselves have nothing to do with a mutant.
-_PROOFS = ("test_rtl_formal.py", "test_rtl_formal_safety.py")
+_PROOFS = ("test_rtl_formal_safety.py", "test_rtl_formal.py")
 # Netlists, figures and long runs of what other files test.
-LEFT_OUT = (*_PROOFS, "test_rtl_gates.py", "test_rtl_budget.py", "test_rtl_loop.py", "test_rtl_poses.py")
+LEFT_OUT = (
+    *_PROOFS,
+    "test_rtl_formal_equivalence.py",
+    "test_rtl_gates.py",
+    "test_rtl_hil.py",
+    "test_rtl_budget.py",
+    "test_rtl_loop.py",
+    "test_rtl_poses.py",
+)
 
 
 @dataclass(frozen=True)
@@ -29,8 +37,8 @@ class Outcome:
     test: str = ""
 
 
-def tests_of(entity: str, rtl: Path, tb: Path) -> list[str]:
-    """Test files in which the entity runs, nearest first: its own, then those of what instantiates it, and so on."""
+def relevant_tests(entity: str, rtl: Path, tb: Path) -> list[str]:
+    """Test files in which the entity runs: its own, then those of what instantiates it, and so on, last the proofs."""
     texts = {path.stem: path.read_text() for path in rtl.glob("*.vhd")}
     test_texts = {p.name: p.read_text() for p in sorted(tb.glob("test_rtl_*.py")) if p.name not in LEFT_OUT}
     own = f"test_rtl_{entity.removeprefix('gc_')}.py"
@@ -41,11 +49,11 @@ def tests_of(entity: str, rtl: Path, tb: Path) -> list[str]:
         users = {user for user, text in texts.items() for name in level if re.search(rf"\bwork\.{name}\b", text)}
         level = sorted(users - seen)
         seen |= users
-    return list(dict.fromkeys(order))
+    return [*dict.fromkeys(order), *_PROOFS]
 
 
 def try_mutant(mutant: Mutant, root: Path, tests: list[str], timeout_s: float) -> Outcome:
-    """Plant a mutant in a copy of root's rtl/ and run tests of tb/ on it, then the proofs, until one fails."""
+    """Plant a mutant in a copy of root's rtl/ and run test files of tb/ on it until one fails."""
     with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
         rtl = Path(folder) / "rtl"
         shutil.copytree(root / "rtl", rtl)
@@ -53,11 +61,7 @@ def try_mutant(mutant: Mutant, root: Path, tests: list[str], timeout_s: float) -
         source.write_text(mutant.plant(source.read_text()))
         if not _compiles(rtl, folder):
             return Outcome(mutant, INVALID)
-        for files in (tests, _PROOFS):
-            result, test = run_tests(root, rtl, Path(folder) / "build", files, timeout_s)
-            if result != SURVIVED:
-                return Outcome(mutant, result, test)
-    return Outcome(mutant, SURVIVED)
+        return Outcome(mutant, *run_tests(root, rtl, Path(folder) / "build", tests, timeout_s))
 
 
 def run_tests(root: Path, rtl: Path, build: Path, files: Sequence[str], timeout_s: float) -> tuple[str, str]:
