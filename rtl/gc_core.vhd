@@ -5,7 +5,7 @@
 -- lanes_g neurons per clock; 166 multiplications and 43 sums per inference at hidden size 20 and three axes.
 -- Formats: 32-bit counts -> 24 bits, mN. Initiation interval: hidden_c / lanes_g clocks (in_ready); latency from
 -- accepted counts to forces: 14 + ceil(log2(inputs_c + 1)) + ceil(log2(lanes_g)) + hidden_c / lanes_g clocks; with one
--- lane inputs_c + outputs_c + 2 more, as its scalers share a multiplier each; with all neurons at once
+-- lane inputs_c + outputs_c + 2 more, 2 with one axis, as its scalers share a multiplier each; with all neurons at once
 -- 17 + ceil(log2(inputs_c + 1)) + ceil(log2(hidden_c + 1)), as the bias is a term of the last sum.
 -- Overflow: no intermediate can, for any count. Illegal input: counts outside the trained range are clamped and
 -- flagged; an output that does not fit saturates and is flagged.
