@@ -14,13 +14,21 @@ INTRODUCTION = """\
 
 Written by `make formal`. Each checker of `tb/formal` holds an entity, as GHDL writes it in Verilog, and asserts
 something about it. Yosys makes an and-inverter graph of both; ABC's property-directed reachability finds an inductive
-invariant for every assertion and verifies it: power-up fulfils it, each clock keeps it, it implies the assertion. So the
-claims hold for every input in every clock, for ever, not for samples and not to a depth. Products are cut: any value may
-stand for one, which can only make a claim harder to prove. `tb/test_rtl_formal*.py` plant a fault in the VHDL for each
-assertion and see it break.
+invariant for every assertion and verifies it: power-up fulfils it, each clock keeps it, it implies the assertion. So
+the claims hold for every input in every clock, for ever, not for samples and not to a depth. Products are cut: any
+value may stand for one, which can only make a claim harder to prove. `tb/test_rtl_formal*.py` plant faults in the VHDL
+and see the assertions break.
 
 `valid_pipeline` takes the latency of the core from the shortest run to a result, and then proves that every accepted
 input has its result after exactly as many clocks, that there are no other results, and that `in_ready` rises in time.
+
+`hidden_sums` and `output_sums` are written from the weights in the ROMs: an interval for every register from the weight
+to the sum, each of which follows from those before it, and no adder that leaves its width, for any input. Of a product
+they use only that it lies between the weight times the ends of an 18-bit operand. With 20 lanes the graph of
+`output_sums` is too large to be proven in a reasonable time; its terms and its width are the same.
+
+`tb/test_rtl_formal_equivalence.py` proves the gate netlist equal to the RTL, by Yosys' `equiv_induct`, for the entities
+that it names.
 
 """
 HEAD = "| checker | entity | generics | assertions | verdict | s |\n|---|---|---|---|---|---|"

@@ -66,7 +66,8 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
         latency = shortest_run(core, checkers / "valid_pipeline.sv", folder / "core", {"LATENCY": 0}) - 1
         parameters["LATENCY"] = latency + claim.clocks_behind_core
     design = _design(claim.entity, claim.generics, rtl, folder)
-    return model_check(design, checkers / f"{claim.checker}.sv", folder, parameters)
+    checker, clocks = checkers / f"{claim.checker}.sv", parameters.get("INTERVAL", 1)
+    return model_check(design, checker, folder, parameters, clocks)
 
 
 def _design(entity: str, generics: Mapping[str, int], rtl: Path, folder: Path) -> Path:

@@ -43,17 +43,24 @@ class Verdict:
 
 
 def model_check(
-    verilog: Path, checker: Path, out: Path, parameters: Mapping[str, int] | None = None, timeout_s: int = 300
+    verilog: Path,
+    checker: Path,
+    out: Path,
+    parameters: Mapping[str, int] | None = None,
+    correspondence_clocks: int = 1,
+    timeout_s: int = 300,
 ) -> Verdict:
     """Prove or refute the assertions of a checker (a SystemVerilog module named as its file) that holds the design.
 
     A checker reaches a signal inside the design by a wire of the same path: (* hierconn *) wire \\dut.name .
-    out: folder for intermediate files. Raises InputError when Yosys or ABC fails.
+    Equal signals are merged before, by induction over correspondence_clocks: one per step of a counter brings counters
+    in agreement together. out: folder for intermediate files. Raises InputError when Yosys or ABC fails.
     """
     out.mkdir(parents=True, exist_ok=True)
     graph = out / "graph.aig"
     names = _write_graph(verilog, checker, dict(parameters or {}), graph)
-    log = _abc(f"read_aiger {graph}; fold; strash; scorr; scorr -F 20; pdr -a -T {timeout_s}", out / "pdr.log")
+    merge = "scorr" if correspondence_clocks == 1 else f"scorr; scorr -F {correspondence_clocks}"
+    log = _abc(f"read_aiger {graph}; fold; strash; {merge}; pdr -a -T {timeout_s}", out / "pdr.log")
     if "Properties:" not in log:
         raise InputError(f"{checker.stem}: ABC gave no verdict; see {out / 'pdr.log'}")
     proven = {int(k) for k in re.findall(r"Proved output +(\d+)", log)}
