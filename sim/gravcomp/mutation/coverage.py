@@ -52,8 +52,10 @@ def count(root: Path, build: Path, jobs: int) -> list[Coverage]:
 
 
 def _sum_up(rtl: Path, build: Path) -> list[Coverage]:
-    for made_by_elaboration in build.rglob("e~*.gc*"):
-        made_by_elaboration.unlink()
+    # Elaboration, benches and generated packages: their sources are elsewhere, or gone.
+    for counts in [*build.rglob("*.gcno"), *build.rglob("*.gcda")]:
+        if not (rtl / f"{counts.stem}.vhd").exists():
+            counts.unlink()
     report = build / "coverage.json"
     command = [
         Path(sys.executable).with_name("gcovr"),
