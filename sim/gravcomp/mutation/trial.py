@@ -65,11 +65,20 @@ def try_mutant(mutant: Mutant, root: Path, tests: list[str], timeout_s: float) -
 
 
 def run_tests(root: Path, rtl: Path, build: Path, files: Sequence[str], timeout_s: float) -> tuple[str, str]:
-    """Run the quick tests of files of tb/ on a folder rtl until one fails: what came of it, and the test that failed.
+    """Run test files of tb/ on a folder rtl until one fails, the slow ones last: what came of it, and the test.
 
     The tests that plant faults themselves are left out: on a mutant they find other lines than they expect.
+    timeout_s: of the quick tests, and of the slow ones.
     """
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", "not slow"]
+    for marker in ("not slow", "slow"):
+        result, test = _run_marked(root, rtl, build, files, marker, timeout_s)
+        if result != SURVIVED:
+            return result, test
+    return SURVIVED, ""
+
+
+def _run_marked(root: Path, rtl: Path, build: Path, files: Sequence[str], marker: str, timeout_s: float):
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", marker]
     command += ["-k", "not planted", *(str(root / "tb" / file) for file in files)]
     variables = {"GRAVCOMP_RTL": rtl.resolve(), "GRAVCOMP_BUILD": build.resolve(), "PYTHONPATH": root / "sim"}
     environment = {**os.environ, **{name: str(value) for name, value in variables.items()}}
