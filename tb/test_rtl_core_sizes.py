@@ -23,7 +23,9 @@ def random_network(n_axes: int, n_hidden: int) -> Network:
     )
 
 
-@pytest.mark.parametrize(("n_axes", "n_hidden", "lanes"), [(3, 7, 7), (2, 8, 1), (2, 2, 1), (1, 4, 1), (1, 4, 4), (4, 6, 2)])
+@pytest.mark.parametrize(
+    ("n_axes", "n_hidden", "lanes"), [(3, 7, 7), (2, 8, 1), (2, 2, 1), (1, 4, 1), (1, 4, 4), (4, 6, 2)]
+)
 def test_core_takes_its_sizes_from_the_rom(n_axes, n_hidden, lanes, tmp_path):
     folder, generated = tmp_path / "weights", tmp_path / "generated"
     save_network(random_network(n_axes, n_hidden), folder)
