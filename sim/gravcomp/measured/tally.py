@@ -60,31 +60,30 @@ class Outcome:
 def run_model_case(kind: str, seed: int) -> Outcome:
     """Draw from the analytic model, diagnose, open."""
     case = blind.draw(kind, seed)
-    found, drivers = _diagnose(case.data)
-    is_driver_right = kind == "unlisted" and blind.is_driver(case, drivers)
-    return _outcome("model", kind, seed, case.truth, case.machine, case.ratio, found, case.noise, is_driver_right)
+    found, content = _diagnose(case.data)
+    is_right = kind == "unlisted" and blind.is_driver(case, content["drivers"])
+    return _outcome("model", kind, seed, case.truth, case.machine, case.ratio, found, content, case.noise, is_right)
 
 
 def run_prototype_case(folder: Path, kind: str, seed: int) -> Outcome:
     """Measure the virtual prototype, diagnose the CSV, open the sealed file."""
     path = blind_prototype.measure_case(folder, kind, seed)
-    found, drivers = _diagnose(blind_prototype.read_case(path))
+    found, content = _diagnose(blind_prototype.read_case(path))
     answer = blind_prototype.open_seal(path)
     noise = found.data.force - answer.effort_n
-    is_driver_right = kind == "unlisted" and blind_prototype.is_driver(answer, drivers)
+    is_right = kind == "unlisted" and blind_prototype.is_driver(answer, content["drivers"])
     ratio = answer.effect_rms_n / float(np.sqrt(np.mean(noise**2)))
-    return _outcome("prototype", kind, seed, answer.names, answer.mode, ratio, found, noise, is_driver_right)
+    return _outcome("prototype", kind, seed, answer.names, answer.mode, ratio, found, content, noise, is_right)
 
 
-def _diagnose(data) -> tuple[Diagnosis, list[dict]]:
+def _diagnose(data) -> tuple[Diagnosis, dict]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = diagnose(data, Model(), 0)
-    return found, report(found)["drivers"]
+    return found, report(found)
 
 
-def _outcome(source, kind, seed, truth, machine, ratio, found: Diagnosis, noise, is_driver_right) -> Outcome:
-    content = report(found)
+def _outcome(source, kind, seed, truth, machine, ratio, found: Diagnosis, content, noise, is_driver_right) -> Outcome:
     drivers, decided = content["drivers"], ~found.data.is_undecided[found.is_test]
     after, noise = found.after[found.is_test], noise[found.is_test]
     return Outcome(
