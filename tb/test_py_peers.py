@@ -11,10 +11,11 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
 from codes import ROOT, pack, unpack
+from gravcomp import page
 from gravcomp.errors import InputError
 from gravcomp.network.activation import gamma
 from gravcomp.network.weights import load_network
-from gravcomp.peers import claims, design, jitter, measure, ours, page
+from gravcomp.peers import claims, design, jitter, measure, ours
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.synthesis.place_route import Placement
 from runner import BUILD, simulate

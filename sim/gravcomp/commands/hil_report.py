@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from gravcomp.peers.page import renew
+from gravcomp.page import renew
 from gravcomp.proof.pictures import save_figure
 from gravcomp.system.hil import FULL, Fault, load
 from gravcomp.system.hil_report import picture, stop_table, tracking_table

@@ -4,10 +4,10 @@ import os
 from pathlib import Path
 
 from gravcomp.network.weights import load_network
+from gravcomp.page import renew
 from gravcomp.peers import jitter
 from gravcomp.peers.design import workspace_positions
 from gravcomp.peers.ours import core_rows, core_timings
-from gravcomp.peers.page import renew
 from gravcomp.robot.parameters import load_parameters
 
 N_POSES, SEED = 1024, 61

@@ -9,12 +9,12 @@ from tqdm import tqdm
 
 from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network
+from gravcomp.page import renew
 from gravcomp.peers import report
 from gravcomp.peers.claims import claims
 from gravcomp.peers.design import normalised_inputs
 from gravcomp.peers.measure import measure
 from gravcomp.peers.ours import core_error, core_rows
-from gravcomp.peers.page import renew
 from gravcomp.proof.pictures import save_figure
 from gravcomp.robot.parameters import load_parameters
 

@@ -4,12 +4,10 @@ import os
 from pathlib import Path
 
 from gravcomp.errors import InputError
-from gravcomp.files import write_atomically
+from gravcomp.page import renew
 from gravcomp.proof.pictures import save_figure
 from gravcomp.synthesis.report import picture, tables
 from gravcomp.synthesis.survey import PARTS, survey
-
-MARK = "<!-- written by `make synth`; do not edit below -->\n"
 
 
 def add_arguments(parser):
@@ -30,15 +28,5 @@ def run(arguments):
     print(text)
     save_figure(picture(results), arguments.build / "synth" / "synthesis.png")
     if arguments.docs:
-        _renew(arguments.docs / "synthesis.md", text)
+        renew(arguments.docs / "synthesis.md", "synth", text)
         save_figure(picture(results), arguments.docs / "figures" / "synthesis.png")
-
-
-def _renew(page: Path, text: str) -> None:
-    try:
-        head, found, _ = page.read_text().partition(MARK)
-    except OSError:
-        raise InputError(f"{page}: not found; --docs names the folder of synthesis.md") from None
-    if not found:
-        raise InputError(f"{page}: its line {MARK.strip()!r} is missing; put it where the tables begin")
-    write_atomically(page, head + MARK + "\n" + text)
