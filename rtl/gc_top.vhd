@@ -20,7 +20,9 @@ entity gc_top is
     -- Clocks that an encoder level must last, 0 = no filter.
     filter_samples_g : natural := 4;
     -- Clocks without an edge that count as standstill.
-    speed_timeout_g  : positive := 10_000_000
+    speed_timeout_g  : positive := 10_000_000;
+    -- Whether all constants can be replaced at run time; see gc_loader.
+    loadable_g       : boolean := false
   );
   port (
     clk                : in    std_ulogic;
@@ -58,7 +60,25 @@ entity gc_top is
     sts_referenced     : out   std_ulogic_vector(inputs_c - 1 downto 0);
     -- Counts are missing; a pulse was dropped: since the last cfg_clear.
     sts_illegal        : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    sts_glitch         : out   std_ulogic_vector(inputs_c - 1 downto 0)
+    sts_glitch         : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- An image begins, in the bank that is not in use; a swap that waits is dropped.
+    load_begin         : in    std_ulogic := '0';
+    -- Its words, in order.
+    load_valid         : in    std_ulogic := '0';
+    load_word          : in    std_ulogic_vector(31 downto 0) := (others => '0');
+    -- The image is whole: swap it in between two inferences if its length and CRC-32 are right.
+    load_commit        : in    std_ulogic := '0';
+    load_crc           : in    std_ulogic_vector(31 downto 0) := (others => '0');
+    -- Back to the ROM, between two inferences.
+    load_rom           : in    std_ulogic := '0';
+    -- The last commit was refused; until the next load_begin.
+    sts_load_bad       : out   std_ulogic;
+    -- A swap waits for the inferences under way.
+    sts_load_waiting   : out   std_ulogic;
+    -- In use: "00" the ROM, "01" and "10" the banks.
+    sts_bank           : out   std_ulogic_vector(1 downto 0);
+    -- CRC-32 of the image in use, 0 with the ROM.
+    sts_bank_crc       : out   std_ulogic_vector(31 downto 0)
   );
 end entity gc_top;
 
@@ -90,6 +110,7 @@ architecture rtl of gc_top is
   signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
   signal current_valid : std_ulogic;
   signal valid         : std_ulogic := '0';
+  signal load_bad      : std_ulogic := '0';
 
 begin
 
@@ -231,6 +252,26 @@ begin
     end if;
 
   end process p_hold;
+
+  -- Nothing can be loaded: every commit is refused.
+  p_refuse : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      if load_commit = '1' then
+        load_bad <= '1';
+      end if;
+      if load_begin = '1' or rst = '1' then
+        load_bad <= '0';
+      end if;
+    end if;
+
+  end process p_refuse;
+
+  sts_load_bad <= load_bad;
+  sts_load_waiting <= '0';
+  sts_bank <= "00";
+  sts_bank_crc <= (others => '0');
 
   out_valid <= valid;
   sts_count <= count;
