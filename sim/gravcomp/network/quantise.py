@@ -100,18 +100,25 @@ class FixedNetwork:
 
 # Values that overflow a float become inf here, and no format holds inf.
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")
-def quantise(network: Network, p: RobotParameters, folder: Path | str = "weights") -> FixedNetwork:
+def quantise(
+    network: Network, p: RobotParameters, folder: Path | str = "weights", formats: FixedNetwork | None = None
+) -> FixedNetwork:
     """Derive formats and constants of the hardware from a float network.
 
-    folder: where the network came from, for messages. Raises InputError naming file, row and column when a format
-    cannot hold a value.
+    folder: where the network came from, for messages. formats: the network of a core that is built, whose size, widths,
+    fractions and shifts are kept. Raises InputError naming file, row and column when a format cannot hold a value.
     """
-    folder = Path(folder)
-    inputs = _input_stage(network, p, folder / SCALING_CSV)
-    hidden = _hidden_stage(network, p, inputs, folder / HIDDEN_CSV)
-    outputs = _output_stage(network, folder)
-    drive = "robot parameters: [drive] thrust_constant_n_per_a"
-    current_scale, current_scale_fraction = _scale(np.array([1000.0 / p.thrust_constant_n_per_a]), drive)
+    folder, kept = Path(folder), vars(formats) if formats else {}
+    if formats and (network.n_axes, network.n_hidden) != (formats.n_axes, formats.n_hidden):
+        raise InputError(
+            f"{folder}: {network.n_axes} axes and {network.n_hidden} neurons, but the core has {formats.n_axes} and "
+            f"{formats.n_hidden}; give a network of its size"
+        )
+    inputs = _input_stage(network, p, folder / SCALING_CSV, kept)
+    hidden = _hidden_stage(network, p, inputs, folder / HIDDEN_CSV, kept)
+    outputs = _output_stage(network, folder, kept)
+    drive, per_n = "robot parameters: [drive] thrust_constant_n_per_a", np.array([1000.0 / p.thrust_constant_n_per_a])
+    current_scale, current_scale_fraction = _scale(per_n, drive, kept.get("current_scale_fraction"))
     if FORCE_BITS + OPERAND_BITS - 1 - current_scale_fraction > CURRENT_BITS:
         raise InputError(f"{drive} = {p.thrust_constant_n_per_a:g}: currents exceed {CURRENT_BITS} bits of uA")
     return FixedNetwork(
@@ -139,7 +146,7 @@ def bits_for(low: int, high: int) -> int:
     return 1 + max((-low - 1).bit_length() if low < 0 else 0, high.bit_length() if high > 0 else 0)
 
 
-def _input_stage(network: Network, p: RobotParameters, path: Path) -> dict:
+def _input_stage(network: Network, p: RobotParameters, path: Path, kept: Mapping) -> dict:
     centre = network.q_offset_m / p.encoder_m_per_count
     reach = INPUT_LIMIT / network.q_scale_per_m / p.encoder_m_per_count
     low, high = np.ceil(centre - reach), np.floor(centre + reach)
@@ -150,11 +157,12 @@ def _input_stage(network: Network, p: RobotParameters, path: Path) -> dict:
                 f"encoder counts; it must hold a count and fit {COUNT_BITS} bits"
             )
     count_low, count_high = low.astype(np.int64), high.astype(np.int64)
-    count_shift = max(0, bits_for(int(count_low.min()), int(count_high.max())) - OPERAND_BITS)
+    count_shift = _count_shift(count_low, count_high, path, kept.get("count_shift"))
     x_offset = network.q_offset_m * network.q_scale_per_m
-    x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset_m"])
+    x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset_m"], kept.get("x_fraction"))
     per_code = 2.0**count_shift * p.encoder_m_per_count * network.q_scale_per_m * 2.0**x_fraction
-    input_scale, input_scale_fraction = _scale(per_code, f"{path}: row {{row}}, column q_scale_per_m")
+    where = f"{path}: row {{row}}, column q_scale_per_m"
+    input_scale, input_scale_fraction = _scale(per_code, where, kept.get("input_scale_fraction"))
     return {
         "count_low": count_low,
         "count_high": count_high,
@@ -168,9 +176,9 @@ def _input_stage(network: Network, p: RobotParameters, path: Path) -> dict:
     }
 
 
-def _hidden_stage(network: Network, p: RobotParameters, inputs: Mapping, path: Path) -> dict:
+def _hidden_stage(network: Network, p: RobotParameters, inputs: Mapping, path: Path, kept: Mapping) -> dict:
     columns = [f"w_q{i}" for i in range(1, network.n_axes + 1)]
-    weight_fraction = _fraction_for(network.hidden_weights, path, columns)
+    weight_fraction = _fraction_for(network.hidden_weights, path, columns, kept.get("weight_fraction"))
     weights = _codes(network.hidden_weights, weight_fraction)
     # What the code of x lacks on average: half its LSB, the dropped bits of the count, the offset of the scaling.
     dropped_count = (2.0 ** inputs["count_shift"] - 1) / 2
@@ -188,19 +196,24 @@ def _hidden_stage(network: Network, p: RobotParameters, inputs: Mapping, path: P
         "hidden_weights": weights,
         "weight_fraction": weight_fraction,
         "hidden_bias": bias_codes,
-        "hidden_sum_bits": _sum_bits(interval, sum_fraction - PREACTIVATION_FRACTION, path),
+        "hidden_sum_bits": _sum_bits(
+            interval, sum_fraction - PREACTIVATION_FRACTION, path, kept.get("hidden_sum_bits")
+        ),
     }
 
 
-def _output_stage(network: Network, folder: Path) -> dict:
+def _output_stage(network: Network, folder: Path, kept: Mapping) -> dict:
     path, scaling = folder / OUTPUT_CSV, folder / SCALING_CSV
     columns = [f"v_{j}" for j in range(1, network.n_hidden + 1)]
-    weight_fraction = _fraction_for(network.output_weights, path, columns)
+    weight_fraction = _fraction_for(network.output_weights, path, columns, kept.get("output_weight_fraction"))
     weights = _codes(network.output_weights, weight_fraction)
     f_ratio = network.f_offset_n / network.f_scale_n
-    y_fraction = _fraction_for((np.abs(f_ratio)[:, None] + 1.0) * OUTPUT_HEADROOM, scaling, ["f_offset_n / f_scale_n"])
+    y_largest = (np.abs(f_ratio)[:, None] + 1.0) * OUTPUT_HEADROOM
+    y_fraction = _fraction_for(y_largest, scaling, ["f_offset_n / f_scale_n"], kept.get("y_fraction"))
     where = f"{scaling}: row {{row}}, column f_scale_n"
-    output_scale, scale_fraction = _scale(1000.0 * network.f_scale_n * 2.0**-y_fraction, where)
+    output_scale, scale_fraction = _scale(
+        1000.0 * network.f_scale_n * 2.0**-y_fraction, where, kept.get("output_scale_fraction")
+    )
     if 2 * OPERAND_BITS - 1 - scale_fraction > FORCE_BITS:
         row = 1 + int(np.argmax(network.f_scale_n))
         raise InputError(f"{where.format(row=row)}: forces exceed {FORCE_BITS} bits of mN; give a smaller scale")
@@ -218,15 +231,28 @@ def _output_stage(network: Network, folder: Path) -> dict:
         "output_weights": weights,
         "output_weight_fraction": weight_fraction,
         "output_bias": bias_codes,
-        "output_sum_bits": _sum_bits(interval, HIDDEN_FRACTION + weight_fraction - y_fraction, path),
+        "output_sum_bits": _sum_bits(
+            interval, HIDDEN_FRACTION + weight_fraction - y_fraction, path, kept.get("output_sum_bits")
+        ),
         "y_fraction": y_fraction,
         "output_scale": output_scale,
         "output_scale_fraction": scale_fraction,
     }
 
 
-def _fraction_for(values: np.ndarray, path: Path, columns: list[str]) -> int:
-    """Most fraction bits with which an 18-bit operand holds every value of a table (rows, columns)."""
+def _count_shift(low: np.ndarray, high: np.ndarray, path: Path, kept: int | None) -> int:
+    """Bits of the count to drop so that the limits of every axis fit an operand, or those that the core drops."""
+    least = max(0, bits_for(int(low.min()), int(high.max())) - OPERAND_BITS)
+    if kept is not None and least > kept:
+        raise InputError(
+            f"{path}: column q_scale_per_m: the trained range is wider than the {OPERAND_BITS + kept} bits of counts "
+            "that the core takes; give larger scales"
+        )
+    return least if kept is None else kept
+
+
+def _fraction_for(values: np.ndarray, path: Path, columns: list[str], kept: int | None = None) -> int:
+    """Most fraction bits with which an 18-bit operand holds every value of a table (rows, columns), or kept ones."""
     row, column = np.unravel_index(np.argmax(np.abs(values)), values.shape)
     largest = abs(float(values[row, column]))
     fraction = -1 if math.isinf(largest) else _FRACTION_MAX
@@ -234,12 +260,13 @@ def _fraction_for(values: np.ndarray, path: Path, columns: list[str]) -> int:
         fraction = OPERAND_BITS - 1 - math.ceil(math.log2(largest))
     if fraction >= 0 and round(largest * 2.0**fraction) > _OPERAND_MAX:
         fraction -= 1
-    if fraction < 0:
+    least = kept or 0
+    if fraction < least:
         raise InputError(
             f"{path}: row {row + 1}, column {columns[column]}: {values[row, column]:g} does not fit "
-            f"{OPERAND_BITS} bits (limit {_OPERAND_MAX}); give smaller values"
+            f"{OPERAND_BITS} bits (limit {_OPERAND_MAX / 2**least:.6g}); give smaller values"
         )
-    return min(fraction, _FRACTION_MAX)
+    return min(fraction, _FRACTION_MAX) if kept is None else kept
 
 
 def _codes(values: np.ndarray, fraction: int) -> np.ndarray:
@@ -256,23 +283,24 @@ def _bias_codes(bias: np.ndarray, fraction: int, path: Path) -> np.ndarray:
     return _codes(bias, fraction)
 
 
-def _sum_bits(interval: tuple[int, int], drop: int, path: Path) -> int:
-    """Width of a sum from which drop bits are dropped next, at least one operand wide after that."""
-    bits = max(bits_for(*interval), drop + OPERAND_BITS)
-    if bits > ACCUMULATOR_BITS:
-        raise InputError(f"{path}: its sums need {bits} bits, more than {ACCUMULATOR_BITS}; give smaller weights")
-    return bits
+def _sum_bits(interval: tuple[int, int], drop: int, path: Path, kept: int | None) -> int:
+    """Width of a sum from which drop bits are dropped next, at least one operand wide after that, or a kept width."""
+    bits, limit = max(bits_for(*interval), drop + OPERAND_BITS), kept or ACCUMULATOR_BITS
+    if bits > limit:
+        raise InputError(f"{path}: its sums need {bits} bits, more than {limit}; give smaller weights")
+    return kept or bits
 
 
-def _scale(factors: np.ndarray, where: str) -> tuple[np.ndarray, int]:
+def _scale(factors: np.ndarray, where: str, kept: int | None) -> tuple[np.ndarray, int]:
     """Positive factors as 18-bit codes with one common fraction; where names a factor, with {row} for its number."""
     largest = float(factors.max())
     fraction = math.floor(math.log2(_OPERAND_MAX) - math.log2(largest)) if 0 < largest < math.inf else -1
-    if not 0 <= fraction <= _SCALE_FRACTION_MAX:
+    if not (kept or 0) <= fraction <= _SCALE_FRACTION_MAX:
         row = int(np.argmax(factors))
         raise InputError(f"{where.format(row=row + 1)} is too large or small for {OPERAND_BITS} bits; check its unit")
+    fraction = fraction if kept is None else kept
     codes = _codes(factors, fraction)
     if codes.min() < _SCALE_CODE_MIN:
         row = int(np.argmin(factors))
-        raise InputError(f"{where.format(row=row + 1)} differs too much from the largest one; give similar scales")
+        raise InputError(f"{where.format(row=row + 1)} is too small for the format of the largest; give similar scales")
     return codes, fraction
