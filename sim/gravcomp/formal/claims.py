@@ -43,6 +43,7 @@ CLAIMS = (
     Claim("hidden_sums", "gc_hidden_lane", {"lanes_g": 1}),
     *(Claim("output_sums", "gc_output_layer", {"lanes_g": n}) for n in (1, 4)),
     Claim("safety", "gc_safety"),
+    Claim("axi", "gc_host", parameters={"ANSWER": 3}),
     Claim("top", "gc_top", {"lanes_g": 4}, clocks_behind_core=16),
 )
 

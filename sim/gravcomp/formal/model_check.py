@@ -17,9 +17,10 @@ from pathlib import Path
 from gravcomp.errors import InputError
 from gravcomp.synthesis.yosys import run_passes
 
-# Products are cut: any value may stand for one. What holds for all values holds for the right one.
+# Products are cut, and inputs that a checker leaves open are free: any value may stand for one, in every clock. What
+# holds for all values holds for the right one.
 _TO_GRAPH = (
-    "proc -latches error; flatten; cutpoint t:$mul; async2sync; chformal -lower; opt_clean; memory -nomap; memory_map; "
+    "proc -latches error; flatten; setundef -undriven -anyseq; cutpoint t:$mul; async2sync; chformal -lower; opt_clean; memory -nomap; memory_map; "
     "opt -full; dffunmap; formalff -clk2ff; setundef -undriven -anyseq; delete -output; opt -full; techmap; aigmap; "
     "opt_clean"
 )

@@ -15,7 +15,7 @@ from gravcomp.mutation.mutants import Mutant
 
 CAUGHT, TIMEOUT, SURVIVED, INVALID = "caught", "time-out", "survived", "does not compile"
 # Proofs of the unchanged claims; the faults that these files plant themselves have nothing to do with a mutant.
-_PROOFS = ("test_rtl_formal_safety.py", "test_rtl_formal.py")
+_PROOFS = ("test_rtl_formal_planted.py", "test_rtl_formal.py")
 # Netlists, figures and long runs of what other files test.
 LEFT_OUT = (
     *_PROOFS,

@@ -1,0 +1,75 @@
+"""Registers, brakes and top: each claim of a checker is refuted where the VHDL is broken."""
+
+import shutil
+
+import pytest
+
+from gravcomp.formal.claims import CLAIMS, verify
+from runner import ROOT
+
+CHECKERS = ROOT / "tb" / "formal"
+BY_CHECKER = {claim.checker: claim for claim in CLAIMS}
+
+# Checker, file, and its faults, which are planted together: VHDL, fault, assertion that must break.
+PLANTED = [
+    ("axi", "registers/gc_registers", [
+        ("axil_resp_wptr <= axil_resp_wptr + 1;", "axil_resp_wptr <= axil_resp_wptr + 2;",
+         "no_read_response_without_request"),
+        ("axil_n_in_flight < to_unsigned(2, 2)", "axil_n_in_flight < to_unsigned(3, 2)",
+         "three_requests_of_a_kind_at_most"),
+        ("s_axil_rdata <= axil_resp_buffer(to_integer(axil_resp_rptr(0 downto 0))).rdata;",
+         "s_axil_rdata <= cpuif_rd_data;", "read_response_holds"),
+    ]),
+    ("axi", "registers/gc_registers", [
+        ("elsif axil_awvalid and axil_wvalid then", "elsif axil_awvalid then", "no_write_response_without_request"),
+        ("elsif axil_arvalid then", "elsif axil_arvalid and not axil_prev_was_rd then", "reads_are_answered"),
+        ("if cpuif_rd_ack or cpuif_wr_ack then", "if cpuif_rd_ack or (cpuif_wr_ack and not cpuif_wr_err) then",
+         "writes_are_answered"),
+        ("s_axil_bvalid <= '1';", "s_axil_bvalid <= not cpuif_req;", "write_response_holds"),
+    ]),
+    ("safety", "gc_brake_sequencer", [
+        ("next_v = state_run_c else '0';\n    end", "next_v /= state_braked_c else '0';\n    end",
+         "brakes_are_engaged_but_in_run"),
+        ("next_v = state_holding_c or next_v = state_run_c", "next_v /= state_braked_c",
+         "command_is_zero_braked_and_in_fault"),
+        ("enable_1 = '0' and in_healthy = '1'", "enable_1 = '0'", "motion_starts_by_an_edge_while_healthy"),
+        ("next_v := state_holding_c;\n        end if;\n      elsif state = state_h",
+         "next_v := state_run_c;\n        end if;\n      elsif state = state_h", "brakes_open_after_the_motors_hold"),
+        ("if clear = '1' then", "if enable = '0' then", "fault_lasts_until_clear_while_healthy"),
+    ]),
+    ("safety", "gc_safety", [
+        ("estop_known and not estop_level(0)", "estop_known and estop_level(0)", "emergency_stop_engages_the_brakes"),
+        ("if in_illegal(i) = '1'", "if in_illegal(0) = '1'", "lost_counts_engage_the_brakes"),
+        ("if in_referenced(i) = '0'", "if in_referenced(0) = '0'", "lost_reference_engages_the_brakes"),
+        ("state_braked_c else present", "state_holding_c else present", "causes_engage_the_brakes"),
+        ("cleared <= clear and healthy", "cleared <= clear", "causes_are_kept"),
+    ]),
+    ("safety", "gc_fault_latch", [
+        ("sts_fault <= kept_v or in_fault", "sts_fault <= in_fault", "fault_is_the_state_of_latched_causes"),
+        ("if kept_v = no_causes_c and in_fault", "if in_fault", "first_is_kept"),
+        ("        first_cause <= no_causes_c;\n      end if;\n\n      sts", "      end if;\n\n      sts",
+         "first_cause_is_one_of_them"),
+    ]),
+    ("top", "gc_top", [
+        ("start <= in_valid and counts_valid;", "start <= in_valid and counts_valid and not cfg_clear;", "none_lost"),
+        ("in_ready <= core_ready and counts_valid;", "in_ready <= core_ready;", "reset_waits_for_the_encoders"),
+        ("valid <= current_valid;\n", "valid <= current_valid or cfg_clear;\n", "none_invented"),
+        ("if current_valid = '1' then", "if force_valid = '1' then", "command_holds_between_results"),
+        ("        out_force <= (others => '0');\n", "", "reset_takes_the_command_to_zero"),
+    ]),
+    ("top", "gc_top", [("rst                => rst,", "rst                => cfg_clear,", "reset_clears_the_status")]),
+]  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("checker", "file", "faults"), PLANTED, ids=[f"{p[0]}-{p[2][0][2]}" for p in PLANTED])
+def test_planted_faults_are_refuted_together(checker, file, faults, tmp_path):
+    shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
+    source = tmp_path / "rtl" / f"{file}.vhd"
+    text = source.read_text()
+    for good, bad, _ in faults:
+        assert text.count(good) == 1, good
+        text = text.replace(good, bad)
+    source.write_text(text)
+    verdict = verify(BY_CHECKER[checker], tmp_path / "rtl", CHECKERS, tmp_path / "out")
+    assert {assertion for _, _, assertion in faults} <= set(verdict.broken), verdict
