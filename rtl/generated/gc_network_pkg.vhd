@@ -36,6 +36,12 @@ package gc_network_pkg is
   constant input_scale_fraction_c : natural  := 16;
   constant x_fraction_c           : natural  := 17;
 
+  -- x of the limits of the trained range.
+  constant x_low_c  : signed(53 downto 0) :=
+    b"100000000000000001_100000000000000001_100000000000000001";
+  constant x_high_c : signed(53 downto 0) :=
+    b"011111111111111100_011111111111111100_011111111111111100";
+
   -- Hidden layer.
   constant weight_fraction_c        : natural  := 15;
   constant hidden_sum_bits_c        : positive := 37;
@@ -124,6 +130,9 @@ package gc_network_pkg is
 
   function flat (words : output_words_t) return std_ulogic_vector;
 
+  -- Counts as one vector, axis 1 lowest.
+  function flat (counts : counts_t) return signed;
+
 end package gc_network_pkg;
 
 package body gc_network_pkg is
@@ -142,6 +151,15 @@ package body gc_network_pkg is
   begin
     for i in words'range loop
       flat_v((i + 1) * output_word_bits_c - 1 downto i * output_word_bits_c) := words(i);
+    end loop;
+    return flat_v;
+  end function flat;
+
+  function flat (counts : counts_t) return signed is
+    variable flat_v : signed(inputs_c * count_bits_c - 1 downto 0);
+  begin
+    for i in counts'range loop
+      flat_v((i + 1) * count_bits_c - 1 downto i * count_bits_c) := to_signed(counts(i), count_bits_c);
     end loop;
     return flat_v;
   end function flat;

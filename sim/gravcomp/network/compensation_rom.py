@@ -83,6 +83,7 @@ _TEMPLATE = """\
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
 
 package gc_compensation_pkg is
 
@@ -130,6 +131,9 @@ package gc_compensation_pkg is
 
   function position_table (axis : natural) return std_ulogic_vector;
 
+  -- Phase steps as one vector, axis 1 lowest.
+  function flat (steps : phase_steps_t) return signed;
+
 end package gc_compensation_pkg;
 
 package body gc_compensation_pkg is
@@ -152,6 +156,15 @@ package body gc_compensation_pkg is
     end loop;
     return flat_v;
   end function position_table;
+
+  function flat (steps : phase_steps_t) return signed is
+    variable flat_v : signed((steps'high + 1) * phase_step_bits_c - 1 downto 0);
+  begin
+    for i in steps'range loop
+      flat_v((i + 1) * phase_step_bits_c - 1 downto i * phase_step_bits_c) := to_signed(steps(i), phase_step_bits_c);
+    end loop;
+    return flat_v;
+  end function flat;
 
 end package body gc_compensation_pkg;
 """

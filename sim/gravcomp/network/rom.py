@@ -60,6 +60,8 @@ def package_text(fixed: FixedNetwork, sha256: str, name: str) -> str:
         count_high=_integers(fixed.count_high),
         input_scale_bits=fixed.n_axes * q.OPERAND_BITS - 1,
         input_scale=_packed(fixed.input_scale, q.OPERAND_BITS),
+        x_low=_packed(fixed.x_low, q.OPERAND_BITS),
+        x_high=_packed(fixed.x_high, q.OPERAND_BITS),
         output_scale=_packed(fixed.output_scale, q.OPERAND_BITS),
         output_bias_bits=fixed.n_axes * fixed.output_sum_bits - 1,
         output_bias=_packed(fixed.output_bias, fixed.output_sum_bits),
@@ -157,6 +159,12 @@ package gc_network_pkg is
   constant input_scale_fraction_c : natural  := {input_scale_fraction};
   constant x_fraction_c           : natural  := {x_fraction};
 
+  -- x of the limits of the trained range.
+  constant x_low_c  : signed({input_scale_bits} downto 0) :=
+    {x_low};
+  constant x_high_c : signed({input_scale_bits} downto 0) :=
+    {x_high};
+
   -- Hidden layer.
   constant weight_fraction_c        : natural  := {weight_fraction};
   constant hidden_sum_bits_c        : positive := {hidden_sum_bits};
@@ -207,6 +215,9 @@ package gc_network_pkg is
 
   function flat (words : output_words_t) return std_ulogic_vector;
 
+  -- Counts as one vector, axis 1 lowest.
+  function flat (counts : counts_t) return signed;
+
 end package gc_network_pkg;
 
 package body gc_network_pkg is
@@ -225,6 +236,15 @@ package body gc_network_pkg is
   begin
     for i in words'range loop
       flat_v((i + 1) * output_word_bits_c - 1 downto i * output_word_bits_c) := words(i);
+    end loop;
+    return flat_v;
+  end function flat;
+
+  function flat (counts : counts_t) return signed is
+    variable flat_v : signed(inputs_c * count_bits_c - 1 downto 0);
+  begin
+    for i in counts'range loop
+      flat_v((i + 1) * count_bits_c - 1 downto i * count_bits_c) := to_signed(counts(i), count_bits_c);
     end loop;
     return flat_v;
   end function flat;
