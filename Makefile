@@ -46,7 +46,7 @@ table1: setup ## the paper's Table 1, trained here, beside the paper's figures
 rom: setup ## write rtl/generated from the CSV files in WEIGHTS
 	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)"
 
-regs: setup ## write registers (VHDL, IP-XACT, C header; HTML into build/registers) from rtl/registers/gc_registers.rdl
+regs: setup ## write registers (VHDL, C header; HTML into build/registers) and IP-XACT from rtl/registers/gc_registers.rdl
 	@scripts/registers.sh
 
 system: setup ## gc_system: registers, interrupt, results on two clocks; path latency from encoder edge to command

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Everything that rtl/registers/gc_registers.rdl describes, written below a folder (default: this project).
+# Everything that rtl/registers/gc_registers.rdl describes, and the IP-XACT component that holds it, written below a folder
+# (default: this project).
 set -eu
 cd "$(dirname "$0")/.."
 out=${1:-.}
@@ -10,9 +11,10 @@ peakrdl() {
     .venv/bin/peakrdl "$exporter" "$properties/regblock_udps.rdl" rtl/registers/gc_registers.rdl "$@"
 }
 
-mkdir -p "$out/rtl/registers" "$out/host"
+mkdir -p "$out/rtl/registers" "$out/host" "$out/build"
 peakrdl regblock-vhdl -o "$out/rtl/registers" --cpuif axi4-lite-flat --default-reset rst --type-style hier --addr-width 12 \
     --err-if-bad-addr --err-if-bad-rw --copy-utils-pkg
-peakrdl ip-xact -o "$out/rtl/registers/gc_registers.xml" --vendor gravcomp --library gravcomp --version 0.1.0
 peakrdl c-header -o "$out/host/gravcomp_registers.h" --std gnu99 --type-style hier
 peakrdl html -o "$out/build/registers"
+peakrdl ip-xact -o "$out/build/gc_registers.xml" --standard 2009 --vendor gravcomp --library gravcomp --version 0.1.0
+.venv/bin/gravcomp ipxact "$out/build/gc_registers.xml" --out "$out/rtl"

@@ -8,12 +8,14 @@ import pytest
 
 from codes import ROOT
 from gravcomp.errors import InputError
+from gravcomp.system.ipxact import SCRIPT
 from gravcomp.system.registers import IPXACT, read_registers
 from runner import RTL
 
 GENERATED = [
     *(RTL / "registers" / name for name in ("reg_utils.vhd", "gc_registers_pkg.vhd", "gc_registers.vhd")),
     IPXACT,
+    IPXACT.parent / SCRIPT,
     ROOT / "host" / "gravcomp_registers.h",
 ]
 
@@ -64,6 +66,6 @@ def test_version_of_the_registers_is_that_of_the_package():
 
 
 def test_registers_that_cannot_be_read_are_refused(tmp_path):
-    (tmp_path / "gc_registers.xml").write_text("<component>")
-    with pytest.raises(InputError, match=r"gc_registers[.]xml: .*make regs"):
-        read_registers(tmp_path / "gc_registers.xml")
+    (tmp_path / "component.xml").write_text("<component>")
+    with pytest.raises(InputError, match=r"component[.]xml: .*make regs"):
+        read_registers(tmp_path / "component.xml")

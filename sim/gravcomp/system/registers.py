@@ -1,20 +1,21 @@
-"""The register map of gc_system, from the IP-XACT file that `make regs` writes beside the VHDL."""
+"""The register map of gc_system, from the IP-XACT component that `make regs` writes beside the VHDL."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
 from gravcomp.errors import InputError
+from gravcomp.system.ipxact import SPIRIT
 
-IPXACT = Path(__file__).resolve().parents[3] / "rtl" / "registers" / "gc_registers.xml"
-_XML = {"x": "http://www.accellera.org/XMLSchema/IPXACT/1685-2014"}
+IPXACT = Path(__file__).resolve().parents[3] / "rtl" / "component.xml"
+_XML = {"x": SPIRIT}
 
 
 @dataclass(frozen=True)
 class Register:
     """count 32-bit registers from address (bytes) on, with their value after reset.
 
-    fields: lowest bit and width of each. Masks: bits that can be read, bits that hold what is written.
+    fields: lowest bit and width of each. Masks: bits that can be read, that can be written, that hold what is written.
     """
 
     address: int
@@ -22,6 +23,7 @@ class Register:
     reset: int
     fields: dict[str, tuple[int, int]]
     readable: int
+    writable: int
     holding: int
 
     def field(self, name: str, word: int) -> int:
@@ -40,20 +42,21 @@ def read_registers(path: Path = IPXACT) -> dict[str, Register]:
 
 
 def _register(element: ElementTree.Element) -> Register:
-    fields, reset, readable, holding = {}, 0, 0, 0
+    fields, readable, writable, holding = {}, 0, 0, 0
     for field in element.iterfind("x:field", _XML):
         low, width = _integer(field, "x:bitOffset"), _integer(field, "x:bitWidth")
         fields[field.findtext("x:name", None, _XML)] = (low, width)
         mask, access = (1 << width) - 1 << low, field.findtext("x:access", None, _XML)
-        reset |= _integer(field, ".//x:reset/x:value", "0") << low
         if access.startswith("read"):
             readable |= mask
+        if access != "read-only":
+            writable |= mask
         if access == "read-write" and field.find("x:modifiedWriteValue", _XML) is None:
             holding |= mask
     address, count = _integer(element, "x:addressOffset"), _integer(element, "x:dim", "1")
-    return Register(address, count, reset, fields, readable, holding)
+    reset = _integer(element, "x:reset/x:value", "0")
+    return Register(address, count, reset, fields, readable, writable, holding)
 
 
 def _integer(element: ElementTree.Element, path: str, default: str | None = None) -> int:
-    text = element.findtext(path, default, _XML)
-    return int(text.replace("'h", "0x"), 0)
+    return int(element.findtext(path, default, _XML), 0)

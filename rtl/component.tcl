@@ -1,0 +1,49 @@
+# Written by `make regs`.
+
+proc init_gui {IPINST} {
+    ipgui::add_param $IPINST -name Component_Name
+    ipgui::add_param $IPINST -name lanes_g
+    ipgui::add_param $IPINST -name clock_hz_g
+    ipgui::add_param $IPINST -name filter_samples_g
+    ipgui::add_param $IPINST -name speed_timeout_g
+}
+
+proc update_PARAM_VALUE.lanes_g {PARAM_VALUE.lanes_g} {}
+
+proc validate_PARAM_VALUE.lanes_g {PARAM_VALUE.lanes_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.lanes_g {MODELPARAM_VALUE.lanes_g PARAM_VALUE.lanes_g} {
+    set_property value [get_property value ${PARAM_VALUE.lanes_g}] ${MODELPARAM_VALUE.lanes_g}
+}
+
+proc update_PARAM_VALUE.clock_hz_g {PARAM_VALUE.clock_hz_g} {}
+
+proc validate_PARAM_VALUE.clock_hz_g {PARAM_VALUE.clock_hz_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.clock_hz_g {MODELPARAM_VALUE.clock_hz_g PARAM_VALUE.clock_hz_g} {
+    set_property value [get_property value ${PARAM_VALUE.clock_hz_g}] ${MODELPARAM_VALUE.clock_hz_g}
+}
+
+proc update_PARAM_VALUE.filter_samples_g {PARAM_VALUE.filter_samples_g} {}
+
+proc validate_PARAM_VALUE.filter_samples_g {PARAM_VALUE.filter_samples_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.filter_samples_g {MODELPARAM_VALUE.filter_samples_g PARAM_VALUE.filter_samples_g} {
+    set_property value [get_property value ${PARAM_VALUE.filter_samples_g}] ${MODELPARAM_VALUE.filter_samples_g}
+}
+
+proc update_PARAM_VALUE.speed_timeout_g {PARAM_VALUE.speed_timeout_g} {}
+
+proc validate_PARAM_VALUE.speed_timeout_g {PARAM_VALUE.speed_timeout_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.speed_timeout_g {MODELPARAM_VALUE.speed_timeout_g PARAM_VALUE.speed_timeout_g} {
+    set_property value [get_property value ${PARAM_VALUE.speed_timeout_g}] ${MODELPARAM_VALUE.speed_timeout_g}
+}
