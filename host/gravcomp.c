@@ -168,7 +168,7 @@ gravcomp_result gravcomp_release(const gravcomp_bus *bus, uint32_t polls)
         }
         brakes = poll_brakes(bus, &cause);
         if (brakes == GRAVCOMP_FAULTED && cause == 0) {
-            write_word(bus, OFFSET(command), GC_REGISTERS__COMMAND__CLEAR_FAULT_bm);
+            gravcomp_clear_faults(bus, GC_REGISTERS__FAULT__CLEAR_bm);
         }
     }
     if (result == GRAVCOMP_OK) {
@@ -194,6 +194,11 @@ gravcomp_result gravcomp_stop(const gravcomp_bus *bus)
 void gravcomp_kick(const gravcomp_bus *bus)
 {
     write_word(bus, OFFSET(command), GC_REGISTERS__COMMAND__KICK_bm);
+}
+
+void gravcomp_clear_faults(const gravcomp_bus *bus, uint32_t faults)
+{
+    write_word(bus, OFFSET(fault), faults);
 }
 
 void gravcomp_clear_encoders(const gravcomp_bus *bus)

@@ -83,8 +83,8 @@ typedef struct {
     int32_t command_ua[GRAVCOMP_AXES];            /* as the drives get it */
     int32_t position_now[GRAVCOMP_AXES];          /* counts */
     uint32_t cause;                               /* present now */
-    uint32_t fault;                               /* since cleared */
-    uint32_t first_cause;
+    uint32_t fault;                               /* came, and were not cleared yet */
+    uint32_t first_cause;                         /* those that came first; 0 when no fault is left */
     int32_t first_position[GRAVCOMP_AXES];        /* counts at the first fault */
 } gravcomp_state;
 
@@ -109,7 +109,10 @@ gravcomp_result gravcomp_tick(const gravcomp_bus *bus, bool is_on);
 /* Wait until there are more results than number, reading at most `polls` times. */
 gravcomp_result gravcomp_wait(const gravcomp_bus *bus, uint32_t number, uint32_t polls);
 
-/* Clear faults and release the brakes: needs referenced axes and a running tick. Kicks the watchdog at every poll. */
+/* Clear some faults; one whose cause lasts comes back, and with the last of them the brakes may be released again. */
+void gravcomp_clear_faults(const gravcomp_bus *bus, uint32_t faults);
+
+/* Clear all faults and release the brakes: needs referenced axes and a running tick. Kicks the watchdog at every poll. */
 gravcomp_result gravcomp_release(const gravcomp_bus *bus, uint32_t polls);
 
 /* Engage the brakes; the commands follow when they have closed. */

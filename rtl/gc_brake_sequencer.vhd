@@ -29,7 +29,7 @@ entity gc_brake_sequencer is
     rst              : in    std_ulogic;
     -- Its rising edge starts, its low level stops.
     enable           : in    std_ulogic;
-    -- One clock: leave FAULT; in_fault in the same clock wins.
+    -- One clock, no fault is left: leave FAULT; in_fault in the same clock wins.
     clear            : in    std_ulogic;
     -- A cause for FAULT.
     in_fault         : in    std_ulogic;

@@ -52,10 +52,10 @@ architecture rtl of gc_controller is
 
   subtype axes_t is std_ulogic_vector(axes_c - 1 downto 0);
 
-  signal pulses        : std_ulogic_vector(3 downto 0);
+  signal pulses        : word_t;
   signal start         : std_ulogic;
   signal kick          : std_ulogic;
-  signal clear_fault   : std_ulogic;
+  signal clear_fault   : causes_t;
   signal clear_encoder : std_ulogic;
 
   signal tick      : std_ulogic;
@@ -100,11 +100,11 @@ architecture rtl of gc_controller is
 
 begin
 
-  pulses <= in_settings(cfg_start_c + 3 downto cfg_start_c) when in_valid = '1' else (others => '0');
-  start <= pulses(0);
-  kick <= pulses(cfg_kick_c - cfg_start_c);
-  clear_fault <= pulses(cfg_clear_fault_c - cfg_start_c);
-  clear_encoder <= pulses(cfg_clear_encoder_c - cfg_start_c);
+  pulses <= words(in_settings, 0) when in_valid = '1' else (others => '0');
+  start <= pulses(cfg_start_c);
+  kick <= pulses(cfg_kick_c);
+  clear_encoder <= pulses(cfg_clear_encoder_c);
+  clear_fault <= pulses(cfg_clear_fault_c + causes_c - 1 downto cfg_clear_fault_c);
 
   i_tick : entity work.gc_tick
     port map (

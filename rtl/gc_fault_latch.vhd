@@ -1,9 +1,10 @@
 -- SPDX-License-Identifier: MIT
 --
--- Remembers every cause of a fault since the last clear, and the causes and the positions of the first one.
+-- Remembers every cause of a fault until it is cleared, and the causes and the positions of the first one.
 --
--- Causes that come in the same clock are first together: first_cause may have several bits.
--- in_clear and a cause in the same clock: the cause is kept, as the first.
+-- Causes that come in the same clock are first together: first_cause may have several bits. It is kept, even if it was
+-- cleared, until no cause is left; the next one is first again.
+-- A cause that is cleared while it lasts, or in the clock in which it comes, is kept.
 -- Latency: 1 clock. first_count holds its value until the next first cause.
 
 library ieee;
@@ -19,7 +20,8 @@ entity gc_fault_latch is
     clk         : in    std_ulogic;
     -- Synchronous, active high; forgets all causes.
     rst         : in    std_ulogic;
-    in_clear    : in    std_ulogic;
+    -- Causes to forget.
+    in_clear    : in    causes_t;
     -- Causes of this clock.
     in_fault    : in    causes_t;
     -- Positions of this clock, encoder counts, axis 1 lowest.
@@ -36,19 +38,17 @@ begin
 
   p_latch : process (clk) is
 
-    variable kept_v : causes_t;
+    variable left_v : causes_t;
 
   begin
 
     if rising_edge(clk) then
-      kept_v := sts_fault;
-      if in_clear = '1' then
-        kept_v := no_causes_c;
-        first_cause <= no_causes_c;
-      end if;
+      left_v := (sts_fault and not in_clear) or in_fault;
+      sts_fault <= left_v;
 
-      sts_fault <= kept_v or in_fault;
-      if kept_v = no_causes_c and in_fault /= no_causes_c then
+      if left_v = no_causes_c then
+        first_cause <= no_causes_c;
+      elsif sts_fault = no_causes_c then
         first_cause <= in_fault;
         first_count <= in_count;
       end if;

@@ -66,8 +66,9 @@ architecture rtl of gc_host is
   signal regs_in  : gc_registers_in_t;
   signal regs_out : gc_registers_out_t;
 
-  signal command : std_ulogic_vector(3 downto 0);
-  signal waiting : std_ulogic_vector(3 downto 0) := (others => '0');
+  -- Commands at their places in settings.
+  signal command : word_t;
+  signal waiting : word_t := (others => '0');
 
   signal number     : word_t := (others => '0');
   signal missed     : word_t := (others => '0');
@@ -122,8 +123,19 @@ begin
 
   -- Settings and commands
 
-  command <= regs_out.command.clear_encoder.value & regs_out.command.clear_fault.value & regs_out.command.kick.value
-             & regs_out.command.start.value;
+  p_command : process (all) is
+  begin
+
+    command <= (others => '0');
+    command(cfg_start_c) <= regs_out.command.start.value;
+    command(cfg_kick_c) <= regs_out.command.kick.value;
+    command(cfg_clear_encoder_c) <= regs_out.command.clear_encoder.value;
+    command(cfg_clear_fault_c + causes_c - 1 downto cfg_clear_fault_c) <= regs_out.fault.clear.value;
+
+  end process p_command;
+
+  -- What is written to fault is one pulse, too.
+  regs_in.fault.clear.hwclr <= '1';
 
   p_commands : process (clk) is
   begin
@@ -146,11 +158,10 @@ begin
 
   begin
 
-    first_v := (others => '0');
+    first_v := waiting;
     first_v(cfg_enable_c) := regs_out.control.enable.value;
     first_v(cfg_tick_enable_c) := regs_out.control.tick_enable.value;
     first_v(cfg_home_c + axes_c - 1 downto cfg_home_c) := regs_out.control.home_enable.value;
-    first_v(cfg_start_c + 3 downto cfg_start_c) := waiting;
 
     out_settings(31 downto 0) <= first_v;
 

@@ -7,7 +7,8 @@
 -- healthy, emergency stop released. States: see gc_brake_sequencer; causes and reactions: docs/safety.md.
 -- estop, encoder, crc and rom are faults in every state. The others are while the command is active, and in FAULT;
 -- while braked they are normal (before homing, without a host) and keep the brakes engaged.
--- FAULT is left by clear while no cause is present, to BRAKED; clear while one lasts does nothing.
+-- A cause that came stays a fault until it is cleared; clear while it lasts does not help. FAULT is left, to BRAKED,
+-- when the last one is cleared.
 -- Latency: from a cause at the inputs to brake_release = run = '0': 2 clocks; from pin estop_n: sync_stages_g + 1; from
 -- the last kick or result: the limit and 3 clocks; so from the first clock of saturation.
 -- After reset an emergency stop is assumed until estop_n is known.
@@ -34,8 +35,8 @@ entity gc_safety is
     estop_n               : in    std_ulogic;
     -- A rising edge starts, a low level stops.
     enable                : in    std_ulogic;
-    -- One clock: leave FAULT, forget its causes.
-    clear                 : in    std_ulogic;
+    -- One clock: causes to forget.
+    clear                 : in    causes_t;
     -- One clock: the host is alive.
     kick                  : in    std_ulogic;
     -- Encoder counts and clocks per 4 counts (gc_speed_meter), axis 1 lowest.
@@ -70,7 +71,7 @@ entity gc_safety is
     sts_state             : out   safety_state_t;
     -- Causes of this moment, whether faults or not.
     sts_present           : out   causes_t;
-    -- Causes since the last clear; those that came first, and where: encoder counts, axis 1 lowest.
+    -- Causes that were not cleared yet; those that came first, and where: encoder counts, axis 1 lowest.
     sts_fault             : out   causes_t;
     sts_first_cause       : out   causes_t;
     sts_first_count       : out   signed(inputs_c * count_bits_c - 1 downto 0)
@@ -204,13 +205,13 @@ begin
   healthy <= '1' when present = no_causes_c and estop_known = '1' else '0';
   fault <= present and always_causes_c when sts_state = state_braked_c else present;
   any_fault <= '1' when fault /= no_causes_c else '0';
-  cleared <= clear and healthy;
+  cleared <= '1' when clear /= no_causes_c and (sts_fault and not clear) = no_causes_c else '0';
 
   i_latch : entity work.gc_fault_latch
     port map (
       clk         => clk,
       rst         => rst,
-      in_clear    => cleared,
+      in_clear    => clear,
       in_fault    => fault,
       in_count    => count_1,
       sts_fault   => sts_fault,
@@ -225,7 +226,7 @@ begin
       clk              => clk,
       rst              => rst,
       enable           => enable,
-      clear            => clear,
+      clear            => cleared,
       in_fault         => any_fault,
       in_healthy       => healthy,
       in_settled       => settled,

@@ -20,8 +20,9 @@ package gc_system_pkg is
   -- one clock each
   constant cfg_start_c         : natural := 8;
   constant cfg_kick_c          : natural := 9;
-  constant cfg_clear_fault_c   : natural := 10;
-  constant cfg_clear_encoder_c : natural := 11;
+  constant cfg_clear_encoder_c : natural := 10;
+  -- one bit per cause
+  constant cfg_clear_fault_c   : natural := 16;
 
   constant cfg_tick_clocks_c : natural := 1;
   constant cfg_weights_c     : natural := 2;

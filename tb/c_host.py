@@ -101,6 +101,9 @@ class CHost:
     def kick(self) -> None:
         self._c.gravcomp_kick(ctypes.byref(self._bus))
 
+    def clear_faults(self, faults: int) -> None:
+        self._c.gravcomp_clear_faults(ctypes.byref(self._bus), _U32(faults))
+
     def clear_encoders(self) -> None:
         self._c.gravcomp_clear_encoders(ctypes.byref(self._bus))
 

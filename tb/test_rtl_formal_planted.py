@@ -35,20 +35,28 @@ PLANTED = [
         ("enable_1 = '0' and in_healthy = '1'", "enable_1 = '0'", "motion_starts_by_an_edge_while_healthy"),
         ("next_v := state_holding_c;\n        end if;\n      elsif state = state_h",
          "next_v := state_run_c;\n        end if;\n      elsif state = state_h", "brakes_open_after_the_motors_hold"),
-        ("if clear = '1' then", "if enable = '0' then", "fault_lasts_until_clear_while_healthy"),
+        ("if clear = '1' then", "if enable = '0' then", "fault_lasts_until_all_are_cleared_and_no_cause_is_present"),
     ]),
     ("safety", "gc_safety", [
         ("estop_known and not estop_level(0)", "estop_known and estop_level(0)", "emergency_stop_engages_the_brakes"),
         ("if in_illegal(i) = '1'", "if in_illegal(0) = '1'", "lost_counts_engage_the_brakes"),
         ("if in_referenced(i) = '0'", "if in_referenced(0) = '0'", "lost_reference_engages_the_brakes"),
         ("state_braked_c else present", "state_holding_c else present", "causes_engage_the_brakes"),
-        ("cleared <= clear and healthy", "cleared <= clear", "causes_are_kept"),
+        ("(sts_fault and not clear) = no_causes_c", "healthy = '1'", "fault_is_the_state_of_latched_causes"),
     ]),
     ("safety", "gc_fault_latch", [
-        ("sts_fault <= kept_v or in_fault", "sts_fault <= in_fault", "fault_is_the_state_of_latched_causes"),
-        ("if kept_v = no_causes_c and in_fault", "if in_fault", "first_is_kept"),
-        ("        first_cause <= no_causes_c;\n      end if;\n\n      sts", "      end if;\n\n      sts",
-         "first_cause_is_one_of_them"),
+        ("sts_fault and not in_clear", "sts_fault and in_clear", "causes_are_kept_until_each_is_cleared"),
+        ("first_count <= in_count;\n      end", "first_count <= in_count;\n      else\n"
+         "        first_cause <= in_fault;\n      end", "first_is_kept"),
+    ]),
+    ("safety", "gc_fault_latch", [
+        ("sts_fault <= left_v;", "sts_fault <= left_v and not in_clear;", "only_cleared_causes_are_forgotten"),
+        ("first_cause <= no_causes_c;\n      elsif", "null;\n      elsif", "first_cause_is_there_with_a_fault"),
+        ("        first_cause <= in_fault;", "        first_cause <= (others => '1');",
+         "first_cause_is_of_the_clock_that_led_to_fault"),
+    ]),
+    ("safety", "gc_fault_latch", [
+        ("or in_fault;", "or in_fault(causes_c - 2 downto 0) & in_fault(causes_c - 1);", "no_cause_comes_of_itself"),
     ]),
     ("top", "gc_top", [
         ("start <= in_valid and counts_valid;", "start <= in_valid and counts_valid and not cfg_clear;", "none_lost"),

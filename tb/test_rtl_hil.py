@@ -20,7 +20,7 @@ from gravcomp.robot.prototype import TIME_STEP_S
 from gravcomp.system.hil import FULL, SHORT, STILL_RADPS, Fault, Log, Run, load, rms, save, stop_after
 from gravcomp.system.plant import BrakedPrototype, Pid
 from runner import BENCHES, BUILD, simulate
-from test_rtl_system import N_AXES, System
+from test_rtl_system import ALL_FAULTS, N_AXES, System
 
 IS_FULL = os.environ.get("HIL") == "full"
 RUNS = FULL if IS_FULL else SHORT
@@ -75,7 +75,7 @@ class Loop:
         await write("control", 7 << 4 | 2)
         await write("command", 2)
         await self.system.clocks(3 * CLOCKS_PER_STEP)
-        await write("command", 4)
+        await write("fault", ALL_FAULTS)
         await self.system.wait_for_state("braked")
         await write("control", 7 << 4 | 3)
         target_m, still_m = self.run.target_m(0.0, self.p), self.robot.q_m

@@ -22,6 +22,7 @@ from test_rtl_system import System
 INDEX = np.array([2002, -3002, 4002])
 POSES = [(2042, -3001, 4002), (1990, -3042, 3961), (2002, -3002, 4002)]
 POLLS = 300
+ESTOP = 1
 SPEED_TIMEOUT = 100  # clocks to standstill
 SETTINGS = Settings(
     expected_weights=int(weights_hash(weights_under_test())[:8], 16),
@@ -97,6 +98,10 @@ def session(host: Host | CHost, robot: Robot) -> list:
     robot.stop(True)
     answers += [unnumbered(host.read()), host.release(3), host.interrupts() & Event.FAULT]
     robot.stop(False)
+    host.kick()
+    host.clear_faults(ESTOP)
+    robot.wait(40)
+    answers.append(unnumbered(host.read()))
     answers += [host.release(POLLS), settled(host), host.stop()]
     robot.wait(400)
     answers += [unnumbered(host.read()), host.tick(False)]
@@ -144,13 +149,14 @@ def check(answers: list) -> None:
         assert (state.position, state.position_now, state.referenced) == (pose, pose, 7)
         np.testing.assert_array_equal(state.force_mn, force_mn)
         np.testing.assert_array_equal(state.current_ua, bittrue.current_scaler(force_mn, fixed))
-    released, stopped, again, braked = states[3:]
+    released, stopped, cleared, again, braked = states[3:]
     assert (released.brakes, released.released, released.run) == (Brakes.RUN, 7, 1)
     np.testing.assert_array_equal(released.command_ua, np.minimum(released.current_ua, SETTINGS.current_limit_ua))
     assert released.limited == sum((c > SETTINGS.current_limit_ua) << i for i, c in enumerate(released.current_ua))
     assert (stopped.brakes, stopped.released, stopped.fault & 1, stopped.first_cause) == (Brakes.FAULTED, 0, 1, 1)
     assert stopped.command_ua == (0, 0, 0)
     assert stopped.first_position == POSES[-1]
+    assert (cleared.brakes, cleared.fault, cleared.first_cause) == (Brakes.BRAKED, 0, 0)
     assert again == replace(released, first_cause=again.first_cause, first_position=again.first_position)
     assert (braked.brakes, braked.released, braked.command_ua) == (Brakes.BRAKED, 0, (0, 0, 0))
 

@@ -21,6 +21,7 @@ WIDTHS = {name: COUNT_BITS for name in ("in_count", "cfg_count_low", "cfg_count_
 STILL = 2**31 - 1  # speed_period at standstill
 PERIOD_MIN, SATURATION, WATCHDOG, RESULT, BRAKE = 100, 20, 40, 30, 10
 LIMITS = {Cause.SATURATION: SATURATION, Cause.WATCHDOG: WATCHDOG, Cause.RESULT: RESULT}
+ALL = (1 << len(Cause)) - 1
 ENABLED, RUNNING, ONSET = 10, 40, 100  # clocks of the directed tests
 
 
@@ -102,7 +103,8 @@ async def reacts_to_a_cause(dut, cause):
         inputs = quiet_inputs(420)
         inputs["enable"][ENABLED:370] = 1
         inputs["enable"][380:] = 1
-        inputs["clear"][[200, 250, 340]] = 1
+        inputs["clear"][[200, 340]] = ALL
+        inputs["clear"][[250, 330]] = cause.mask, ALL & ~cause.mask
         inputs["kick"][ONSET - 1] = inputs["in_result"][ONSET - 1] = 1
         present_it(inputs, cause, slice(ONSET, end), axis)
         got = await run_and_compare(dut, inputs)
@@ -131,7 +133,7 @@ async def causes_while_braked(dut, cause):
     present_it(inputs, cause, slice(0, 200), 0)
     inputs["enable"][150:250] = 1
     inputs["enable"][260:] = 1
-    inputs["clear"][230] = 1
+    inputs["clear"][230] = cause.mask
     got = await run_and_compare(dut, inputs)
     is_fault = bool(ALWAYS & cause.mask)
     assert (got["sts_state"][140:200] == (State.FAULT if is_fault else State.BRAKED)).all()
@@ -170,6 +172,29 @@ async def simultaneous_causes_are_first_together(dut):
     assert got["sts_first_cause"][-1] == first
     assert got["sts_fault"][-1] == first | Cause.ROM.mask
     assert (got["sts_first_count"][-1] == inputs["in_count"][ONSET]).all()
+
+
+@cocotb.test()
+async def faults_are_cleared_one_by_one(dut):
+    """One whose cause lasts stays; the state is left with the last of them, and the first is kept until then."""
+    inputs = quiet_inputs(400)
+    inputs["enable"][ENABLED:] = 1
+    present_it(inputs, Cause.SPEED, slice(ONSET, ONSET + 1), 0)
+    present_it(inputs, Cause.CRC, slice(ONSET + 10, 220), 0)
+    present_it(inputs, Cause.POSITION, slice(ONSET + 20, ONSET + 21), 0)
+    speed, crc, position = Cause.SPEED.mask, Cause.CRC.mask, Cause.POSITION.mask
+    written = {150: speed, 200: crc, 250: ALL & ~position, 300: 0, 350: position}
+    left = {150: crc | position, 200: crc | position, 250: position, 300: position, 350: 0}
+    for clock, mask in written.items():
+        inputs["clear"][clock] = mask
+    got = await run_and_compare(dut, inputs)
+    for clock, faults in left.items():
+        assert (got["sts_fault"][clock + 1 : clock + 50] == faults).all(), clock
+    assert (got["sts_state"][ONSET + 2 : 351] == State.FAULT).all()
+    assert (got["sts_first_cause"][ONSET + 2 : 351] == speed).all()
+    assert (got["sts_state"][351:] == State.BRAKED).all()
+    assert not got["sts_first_cause"][351:].any()
+    assert (got["sts_first_count"][ONSET + 2 :] == inputs["in_count"][ONSET]).all()
 
 
 @cocotb.test()
@@ -240,7 +265,8 @@ def random_inputs(rng: np.random.Generator, n_clocks: int) -> dict[str, np.ndarr
         start, length = int(rng.integers(n_clocks)), LIMITS.get(cause, 0) + int(rng.choice([1, 2, 5, 20]))
         present_it(inputs, cause, slice(start, start + length), int(rng.integers(n_axes)))
     inputs["enable"] = (np.cumsum(rng.random(n_clocks) < 0.03) % 2).astype(np.int64)
-    inputs["clear"] = (rng.random(n_clocks) < 0.1).astype(np.int64)
+    inputs["clear"] = rng.integers(0, ALL + 1, n_clocks) | rng.choice([0, ALL], n_clocks)
+    inputs["clear"][rng.random(n_clocks) < 0.9] = 0
     inputs["rst"] = (rng.random(n_clocks) < 0.0005).astype(np.int64)
     inputs["in_settled"] = (rng.random((n_clocks // 10, n_axes)) < 0.97).repeat(10, axis=0).astype(np.int64)
     for name, high in (("cfg_brake_clocks", 12), ("cfg_saturation_clocks", 30), ("cfg_period_min", 2 * PERIOD_MIN)):

@@ -167,11 +167,6 @@ architecture rtl of gc_registers is
         load_next : std_logic;
     end record;
 
-    type \gc_registers.command.clear_fault_combo_t\ is record
-        next_q : std_logic;
-        load_next : std_logic;
-    end record;
-
     type \gc_registers.command.clear_encoder_combo_t\ is record
         next_q : std_logic;
         load_next : std_logic;
@@ -180,7 +175,6 @@ architecture rtl of gc_registers is
     type \gc_registers.command_combo_t\ is record
         start : \gc_registers.command.start_combo_t\;
         kick : \gc_registers.command.kick_combo_t\;
-        clear_fault : \gc_registers.command.clear_fault_combo_t\;
         clear_encoder : \gc_registers.command.clear_encoder_combo_t\;
     end record;
 
@@ -295,6 +289,15 @@ architecture rtl of gc_registers is
     end record;
     type \gc_registers.window_high_combo_t_array\ is array(natural range <>) of \gc_registers.window_high_combo_t\;
 
+    type \gc_registers.fault.clear_combo_t\ is record
+        next_q : std_logic_vector(9 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type \gc_registers.fault_combo_t\ is record
+        clear : \gc_registers.fault.clear_combo_t\;
+    end record;
+
     type \gc_registers.interrupt_enable.result_combo_t\ is record
         next_q : std_logic;
         load_next : std_logic;
@@ -352,6 +355,7 @@ architecture rtl of gc_registers is
         brake_clocks : \gc_registers.brake_clocks_combo_t\;
         window_low : \gc_registers.window_low_combo_t_array\(0 to 2);
         window_high : \gc_registers.window_high_combo_t_array\(0 to 2);
+        fault : \gc_registers.fault_combo_t\;
         interrupt_enable : \gc_registers.interrupt_enable_combo_t\;
         interrupt_status : \gc_registers.interrupt_status_combo_t\;
     end record;
@@ -384,10 +388,6 @@ architecture rtl of gc_registers is
         value : std_logic;
     end record;
 
-    type \gc_registers.command.clear_fault_storage_t\ is record
-        value : std_logic;
-    end record;
-
     type \gc_registers.command.clear_encoder_storage_t\ is record
         value : std_logic;
     end record;
@@ -395,7 +395,6 @@ architecture rtl of gc_registers is
     type \gc_registers.command_storage_t\ is record
         start : \gc_registers.command.start_storage_t\;
         kick : \gc_registers.command.kick_storage_t\;
-        clear_fault : \gc_registers.command.clear_fault_storage_t\;
         clear_encoder : \gc_registers.command.clear_encoder_storage_t\;
     end record;
 
@@ -498,6 +497,14 @@ architecture rtl of gc_registers is
     end record;
     type \gc_registers.window_high_storage_t_array\ is array(natural range <>) of \gc_registers.window_high_storage_t\;
 
+    type \gc_registers.fault.clear_storage_t\ is record
+        value : std_logic_vector(9 downto 0);
+    end record;
+
+    type \gc_registers.fault_storage_t\ is record
+        clear : \gc_registers.fault.clear_storage_t\;
+    end record;
+
     type \gc_registers.interrupt_enable.result_storage_t\ is record
         value : std_logic;
     end record;
@@ -549,6 +556,7 @@ architecture rtl of gc_registers is
         brake_clocks : \gc_registers.brake_clocks_storage_t\;
         window_low : \gc_registers.window_low_storage_t_array\(0 to 2);
         window_high : \gc_registers.window_high_storage_t_array\(0 to 2);
+        fault : \gc_registers.fault_storage_t\;
         interrupt_enable : \gc_registers.interrupt_enable_storage_t\;
         interrupt_status : \gc_registers.interrupt_status_storage_t\;
     end record;
@@ -971,9 +979,9 @@ begin
         decoded_reg_strb.cause <= cpuif_req_masked and (cpuif_addr = 16#170#) and not cpuif_req_is_wr;
         is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#170#));
         is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#170#) and not cpuif_req_is_wr);
-        decoded_reg_strb.fault <= cpuif_req_masked and (cpuif_addr = 16#174#) and not cpuif_req_is_wr;
+        decoded_reg_strb.fault <= cpuif_req_masked and (cpuif_addr = 16#174#);
         is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#174#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#174#) and not cpuif_req_is_wr);
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#174#));
         decoded_reg_strb.first_cause <= cpuif_req_masked and (cpuif_addr = 16#178#) and not cpuif_req_is_wr;
         is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#178#));
         is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#178#) and not cpuif_req_is_wr);
@@ -1158,38 +1166,6 @@ begin
     end process;
     hwif_out.command.kick.value <= field_storage.command.kick.value;
 
-    -- Field: gc_registers.command.clear_fault
-    process(all)
-        variable next_c: std_logic;
-        variable load_next_c: std_logic;
-    begin
-        next_c := field_storage.command.clear_fault.value;
-        load_next_c := '0';
-        if decoded_reg_strb.command and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.command.clear_fault.value and not decoded_wr_biten(2)) or (decoded_wr_data(2) and decoded_wr_biten(2));
-            load_next_c := '1';
-        else -- singlepulse clears back to 0
-            next_c := '0';
-            load_next_c := '1';
-        end if;
-        field_combo.command.clear_fault.next_q <= next_c;
-        field_combo.command.clear_fault.load_next <= load_next_c;
-    end process;
-    process(clk) begin
-        if false then -- async reset
-            field_storage.command.clear_fault.value <= '0';
-        elsif rising_edge(clk) then
-            if rst then -- sync reset
-                field_storage.command.clear_fault.value <= '0';
-            else
-                if field_combo.command.clear_fault.load_next then
-                    field_storage.command.clear_fault.value <= field_combo.command.clear_fault.next_q;
-                end if;
-            end if;
-        end if;
-    end process;
-    hwif_out.command.clear_fault.value <= field_storage.command.clear_fault.value;
-
     -- Field: gc_registers.command.clear_encoder
     process(all)
         variable next_c: std_logic;
@@ -1198,7 +1174,7 @@ begin
         next_c := field_storage.command.clear_encoder.value;
         load_next_c := '0';
         if decoded_reg_strb.command and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.command.clear_encoder.value and not decoded_wr_biten(3)) or (decoded_wr_data(3) and decoded_wr_biten(3));
+            next_c := (field_storage.command.clear_encoder.value and not decoded_wr_biten(2)) or (decoded_wr_data(2) and decoded_wr_biten(2));
             load_next_c := '1';
         else -- singlepulse clears back to 0
             next_c := '0';
@@ -1576,6 +1552,38 @@ begin
         hwif_out.window_high(i0).value.value <= field_storage.window_high(i0).value.value;
     end generate;
 
+    -- Field: gc_registers.fault.clear
+    process(all)
+        variable next_c: std_logic_vector(9 downto 0);
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.fault.clear.value;
+        load_next_c := '0';
+        if decoded_reg_strb.fault and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.fault.clear.value and not decoded_wr_biten(9 downto 0)) or (decoded_wr_data(9 downto 0) and decoded_wr_biten(9 downto 0));
+            load_next_c := '1';
+        elsif hwif_in.fault.clear.hwclr then -- HW Clear
+            next_c := (others => '0');
+            load_next_c := '1';
+        end if;
+        field_combo.fault.clear.next_q <= next_c;
+        field_combo.fault.clear.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.fault.clear.value <= 10x"0";
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.fault.clear.value <= 10x"0";
+            else
+                if field_combo.fault.clear.load_next then
+                    field_storage.fault.clear.value <= field_combo.fault.clear.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.fault.clear.value <= field_storage.fault.clear.value;
+
     -- Field: gc_registers.interrupt_enable.result
     process(all)
         variable next_c: std_logic;
@@ -1861,6 +1869,7 @@ begin
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
+                rbuf_storage.fault.data(9 downto 0) <= field_storage.fault.clear.value;
                 rbuf_storage.fault.data(0 downto 0) <= to_std_logic_vector(hwif_in.fault.estop.next_q);
                 rbuf_storage.fault.data(1 downto 1) <= to_std_logic_vector(hwif_in.fault.encoder.next_q);
                 rbuf_storage.fault.data(2 downto 2) <= to_std_logic_vector(hwif_in.fault.crc.next_q);

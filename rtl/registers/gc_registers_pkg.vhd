@@ -227,6 +227,10 @@ package gc_registers_pkg is
         value : \gc_registers.cause.value_in_t\;
     end record;
 
+    type \gc_registers.fault.clear_in_t\ is record
+        hwclr : std_logic;
+    end record;
+
     type \gc_registers.fault.estop_in_t\ is record
         next_q : std_logic;
     end record;
@@ -268,6 +272,7 @@ package gc_registers_pkg is
     end record;
 
     type \gc_registers.fault_in_t\ is record
+        clear : \gc_registers.fault.clear_in_t\;
         estop : \gc_registers.fault.estop_in_t\;
         encoder : \gc_registers.fault.encoder_in_t\;
         crc : \gc_registers.fault.crc_in_t\;
@@ -384,10 +389,6 @@ package gc_registers_pkg is
         value : std_logic;
     end record;
 
-    type \gc_registers.command.clear_fault_out_t\ is record
-        value : std_logic;
-    end record;
-
     type \gc_registers.command.clear_encoder_out_t\ is record
         value : std_logic;
     end record;
@@ -395,7 +396,6 @@ package gc_registers_pkg is
     type \gc_registers.command_out_t\ is record
         start : \gc_registers.command.start_out_t\;
         kick : \gc_registers.command.kick_out_t\;
-        clear_fault : \gc_registers.command.clear_fault_out_t\;
         clear_encoder : \gc_registers.command.clear_encoder_out_t\;
     end record;
 
@@ -498,6 +498,14 @@ package gc_registers_pkg is
     end record;
     type \gc_registers.window_highx_out_t_array\ is array(natural range <>) of \gc_registers.window_highx_out_t\;
 
+    type \gc_registers.fault.clear_out_t\ is record
+        value : std_logic_vector(9 downto 0);
+    end record;
+
+    type \gc_registers.fault_out_t\ is record
+        clear : \gc_registers.fault.clear_out_t\;
+    end record;
+
     type \gc_registers.interrupt_status_out_t\ is record
         intr : std_logic;
     end record;
@@ -517,6 +525,7 @@ package gc_registers_pkg is
         brake_clocks : \gc_registers.brake_clocks_out_t\;
         window_low : \gc_registers.window_lowx_out_t_array\(0 to 2);
         window_high : \gc_registers.window_highx_out_t_array\(0 to 2);
+        fault : \gc_registers.fault_out_t\;
         interrupt_status : \gc_registers.interrupt_status_out_t\;
     end record;
 end package;

@@ -4,7 +4,7 @@ module safety (
     input rst,
     input estop_n,
     input enable,
-    input clear,
+    input [9:0] clear,
     input kick,
     input [95:0] in_count,
     input [95:0] in_period,
@@ -44,11 +44,11 @@ module safety (
   );
 
   // The last clocks; enable counts as high before power-up.
-  reg rst_1 = 1, clear_1 = 0, run_1 = 0, enable_1 = 1, enable_2 = 1;
+  reg rst_1 = 1, run_1 = 0, enable_1 = 1, enable_2 = 1;
   reg [1:3] estop_n_then = 0;
   reg [1:2] illegal_then = 0, unreferenced_then = 0;
   reg [2:0] state_1 = BRAKED, brake_release_1 = 0;
-  reg [9:0] present_1 = 0, fault_1 = 0, first_cause_1 = 0;
+  reg [9:0] clear_1 = 0, present_1 = 0, fault_1 = 0, first_cause_1 = 0;
   reg [95:0] first_count_1;
 
   always @(posedge clk) begin
@@ -79,11 +79,16 @@ module safety (
     causes_engage_the_brakes : assert (!present_1 || !brake_release && !run);
     motion_starts_by_an_edge_while_healthy :
       assert (!run || run_1 || enable_1 && !enable_2 && !present_1 && state_1 == BRAKED);
-    fault_lasts_until_clear_while_healthy :
-      assert (state_1 != FAULT || state == FAULT || rst_1 || clear_1 && !present_1 && state == BRAKED);
+    fault_lasts_until_all_are_cleared_and_no_cause_is_present :
+      assert (state_1 != FAULT || state == FAULT || rst_1
+              || (fault_1 & clear_1) != 0 && (fault_1 & ~clear_1) == 0 && !present_1 && state == BRAKED);
     fault_is_the_state_of_latched_causes : assert (fault != 0 == (state == FAULT));
-    causes_are_kept : assert (rst_1 || state != FAULT || (fault_1 & ~fault) == 0);
-    first_cause_is_one_of_them : assert ((first_cause & ~fault) == 0 && (first_cause != 0) == (fault != 0));
+    causes_are_kept_until_each_is_cleared : assert (rst_1 || (fault_1 & ~clear_1 & ~fault) == 0);
+    only_cleared_causes_are_forgotten : assert (rst_1 || state_1 != FAULT || (present_1 & ~fault) == 0);
+    no_cause_comes_of_itself : assert ((fault & ~fault_1 & ~present_1) == 0);
+    first_cause_is_of_the_clock_that_led_to_fault :
+      assert (state != FAULT || state_1 == FAULT || first_cause == fault);
+    first_cause_is_there_with_a_fault : assert ((first_cause != 0) == (fault != 0));
     first_is_kept :
       assert (rst_1 || state != FAULT || state_1 != FAULT || first_cause == first_cause_1 && first_count == first_count_1);
   end

@@ -178,7 +178,7 @@ class Host:
             polls -= 1
             brakes, cause = self._poll_brakes()
             if brakes == Brakes.FAULTED and not cause:
-                self._command("clear_fault")
+                self.clear_faults((1 << self._map["fault"].fields["clear"][1]) - 1)
         if result == Result.OK:
             result = self._control("enable", 1)
         while result == Result.OK and brakes != Brakes.RUN:
@@ -195,6 +195,9 @@ class Host:
 
     def kick(self) -> None:
         self._command("kick")
+
+    def clear_faults(self, faults: int) -> None:
+        self._write("fault", faults)
 
     def clear_encoders(self) -> None:
         self._command("clear_encoder")

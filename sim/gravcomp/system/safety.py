@@ -81,12 +81,13 @@ def safety(inputs: Mapping[str, np.ndarray], sync_stages: int = 2) -> dict[str, 
     sequencer, latch, count_1 = Sequencer(), FaultLatch(), np.zeros_like(inputs["in_count"][0])
     for k in range(len(present) - 1):
         fault = int(present[k]) & (ALWAYS if sequencer.state == State.BRAKED else ~0)
-        clear = bool(inputs["clear"][k])
-        latch.clock(bool(inputs["rst"][k]), clear and bool(healthy[k]), fault, count_1)
+        clear = int(inputs["clear"][k])
+        cleared = clear != 0 and not latch.causes & ~clear
+        latch.clock(bool(inputs["rst"][k]), clear, fault, count_1)
         sequencer.clock(
             bool(inputs["rst"][k]),
             int(inputs["enable"][k]),
-            clear,
+            cleared,
             fault != 0,
             bool(healthy[k]),
             bool(inputs["in_settled"][k].all()),
@@ -152,19 +153,19 @@ class Sequencer:
 
 
 class FaultLatch:
-    """gc_fault_latch, a clock at a time: causes since the last clear, first_cause and first_count."""
+    """gc_fault_latch, a clock at a time: causes that were not cleared yet, first_cause and first_count."""
 
     def __init__(self) -> None:
         self.causes = self.first_cause = 0
         self.first_count: np.ndarray | int = 0
 
-    def clock(self, rst: bool, clear: bool, fault: int, count: np.ndarray) -> None:
+    def clock(self, rst: bool, clear: int, fault: int, count: np.ndarray) -> None:
         """One rising edge, at which the inputs have these values."""
         if rst:
             self.__init__()
             return
-        if clear:
-            self.causes = self.first_cause = 0
         if not self.causes and fault:
             self.first_cause, self.first_count = fault, count
-        self.causes |= fault
+        self.causes = self.causes & ~clear | fault
+        if not self.causes:
+            self.first_cause = 0
