@@ -1,12 +1,13 @@
 """What is proven about the hardware, by which checker of tb/formal, for which generics."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from gravcomp.formal.model_check import Verdict, induct, model_check, shortest_run
 from gravcomp.formal.sums import hidden_sums, output_sums
-from gravcomp.network.quantise import quantise
+from gravcomp.network.compensation import FRICTION_BITS
+from gravcomp.network.quantise import COUNT_BITS, OPERAND_BITS, FixedNetwork, quantise
 from gravcomp.network.weights import load_network
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.synthesis.verilog import rtl_sources, to_verilog
@@ -25,7 +26,7 @@ class Claim:
 
     checker: str
     entity: str
-    generics: Mapping[str, int] = field(default_factory=dict)
+    generics: Mapping[str, int | str] = field(default_factory=dict)
     parameters: Mapping[str, int] = field(default_factory=dict)
     clocks_behind_core: int | None = None
 
@@ -42,13 +43,30 @@ CLAIMS = (
     # One lane holds all neurons; the hidden sums are the same with more.
     Claim("hidden_sums", "gc_hidden_lane", {"lanes_g": 1}),
     *(Claim("output_sums", "gc_output_layer", {"lanes_g": n}) for n in (1, 4)),
+    Claim("input_clamp", "gc_input_scaler", {"serial_g": "false"}, {"LATENCY": 3, "PRODUCT_CLOCKS": 1}),
+    Claim("input_clamp", "gc_input_scaler", {"serial_g": "true"}, {"LATENCY": 6, "PRODUCT_CLOCKS": 0}),
+    Claim("hidden_saturation", "gc_hidden_lane"),
+    Claim("output_saturation", "gc_output_scaler"),
+    Claim("force_saturation", "gc_compensator", parameters={"TOTAL_BITS": FRICTION_BITS + 1}),
     Claim("safety", "gc_safety"),
     Claim("axi", "gc_host", parameters={"ANSWER": 3}),
     Claim("top", "gc_top", {"lanes_g": 4}, clocks_behind_core=16),
 )
 
 
+# Checkers written from the weights, and those with parameters of the network.
 SUMS = {"hidden_sums": hidden_sums, "output_sums": output_sums}
+OF_THE_NETWORK = {
+    "input_clamp": lambda fixed: {
+        "LOW": _packed(fixed.count_low, COUNT_BITS),
+        "HIGH": _packed(fixed.count_high, COUNT_BITS),
+        "SCALE": _packed(fixed.input_scale, OPERAND_BITS),
+        "SHIFT": fixed.count_shift,
+        "FRACTION": fixed.input_scale_fraction,
+    },
+    "hidden_saturation": lambda fixed: {"SUM_BITS": fixed.hidden_sum_bits, "DROP": fixed.preactivation_drop},
+    "output_saturation": lambda fixed: {"SUM_BITS": fixed.output_sum_bits, "DROP": fixed.output_drop},
+}
 
 
 def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
@@ -56,11 +74,11 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
     folder, parameters = out / claim.name, dict(claim.parameters)
     if claim.checker in SUMS:
         design = _design(claim.entity, claim.generics, rtl, folder)
-        # tb/formal stands beside the weights that are shipped.
-        fixed = quantise(load_network(checkers.parents[1] / "weights" / "spheiro"), load_parameters())
         checker = folder / f"{claim.checker}.sv"
-        checker.write_text(SUMS[claim.checker](fixed, claim.generics["lanes_g"]))
+        checker.write_text(SUMS[claim.checker](_network(checkers), claim.generics["lanes_g"]))
         return induct(design, checker, folder)
+    if claim.checker in OF_THE_NETWORK:
+        parameters |= OF_THE_NETWORK[claim.checker](_network(checkers))
     if claim.clocks_behind_core is not None:
         core = _design("gc_core", claim.generics, rtl, folder / "core")
         # The shortest run to a result; that all others take as long is then proven.
@@ -71,6 +89,17 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
     return model_check(design, checker, folder, parameters, clocks)
 
 
-def _design(entity: str, generics: Mapping[str, int], rtl: Path, folder: Path) -> Path:
+def _network(checkers: Path) -> FixedNetwork:
+    """The network that is shipped: tb/formal stands beside its weights."""
+    return quantise(load_network(checkers.parents[1] / "weights" / "spheiro"), load_parameters())
+
+
+def _packed(values: Iterable[int], bits: int) -> str:
+    """Signed values as a Verilog constant, the first one lowest."""
+    values = [int(value) % 2**bits for value in values]
+    return f"{bits * len(values)}'h{sum(value << bits * k for k, value in enumerate(values)):x}"
+
+
+def _design(entity: str, generics: Mapping[str, int | str], rtl: Path, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     return to_verilog(rtl_sources(rtl), entity, generics, folder / "design.v")

@@ -20,9 +20,9 @@ from gravcomp.synthesis.yosys import run_passes
 # Products are cut, and inputs that a checker leaves open are free: any value may stand for one, in every clock. What
 # holds for all values holds for the right one.
 _TO_GRAPH = (
-    "proc -latches error; flatten; setundef -undriven -anyseq; cutpoint t:$mul; async2sync; chformal -lower; opt_clean; memory -nomap; memory_map; "
-    "opt -full; dffunmap; formalff -clk2ff; setundef -undriven -anyseq; delete -output; opt -full; techmap; aigmap; "
-    "opt_clean"
+    "proc -latches error; flatten; setundef -undriven -anyseq; cutpoint t:$mul; async2sync; chformal -lower; "
+    "opt_clean; memory -nomap; memory_map; opt -full; dffunmap; formalff -clk2ff; setundef -undriven -anyseq; "
+    "delete -output; opt -full; techmap; aigmap; opt_clean"
 )
 
 
@@ -47,7 +47,7 @@ def model_check(
     verilog: Path,
     checker: Path,
     out: Path,
-    parameters: Mapping[str, int] | None = None,
+    parameters: Mapping[str, int | str] | None = None,
     correspondence_clocks: int = 1,
     timeout_s: int = 300,
 ) -> Verdict:
@@ -90,7 +90,7 @@ def induct(verilog: Path, checker: Path, out: Path) -> Verdict:
     return Verdict((name,), {}, ()) if clocks == 2 else Verdict((), {}, (name,))
 
 
-def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[str, int]) -> int:
+def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[str, int | str]) -> int:
     """Clocks of the shortest run from power-up that breaks the only assertion of a checker; arguments of model_check.
 
     Raises InputError when there is none of less than a thousand clocks.
@@ -104,7 +104,7 @@ def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[st
     return int(found[1]) + 1
 
 
-def _write_graph(verilog: Path, checker: Path, parameters: dict[str, int], graph: Path) -> list[str]:
+def _write_graph(verilog: Path, checker: Path, parameters: dict[str, int | str], graph: Path) -> list[str]:
     """Write the graph of a checker and its design; returns the names of its assertions, one per output."""
     values = " ".join(f"-chparam {name} {value}" for name, value in parameters.items())
     names = graph.with_suffix(".json")
