@@ -6,11 +6,14 @@ import json
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from tqdm import tqdm
 
 from gravcomp.cli import main
 from gravcomp.errors import InputError
-from gravcomp.measured.experiment import log_csv, measure, static_points
-from gravcomp.measured.experiment_effects import EFFECTS, LISTED, UNLISTED, field_effects
+from gravcomp.measured.experiment import hold_poses, log_csv, measure
+from gravcomp.measured.experiment_effects import EFFECTS, LISTED, UNLISTED
+from gravcomp.measured.experiment_plant import Plant
+from gravcomp.measured.field import hold_field
 from gravcomp.robot.kinematics import PoseError, direct_kinematics, inverse_kinematics, jacobian, passive_jacobian
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.robot.statics import holding_forces_at
@@ -295,20 +298,26 @@ def test_wrong_request_is_refused_in_one_line_and_nothing_is_written(tmp_path, c
     assert list(tmp_path.iterdir()) == []
 
 
-def test_field_points_are_read_where_asked_and_carry_the_friction():
+def held(effects, poses):
+    sides = np.random.default_rng(3).standard_normal((len(poses), 3))
+    return hold_poses(Plant(P, effects), poses, sides, tqdm(disable=True))
+
+
+def test_held_poses_are_read_where_asked_and_carry_the_friction():
     poses = sample_workspace(12, P, seed=3, torsion_deg=15.0)
-    q, force = static_points(P, [EFFECTS["coulomb_friction"](fc=2.0)], poses, seed=3, noise_n=0.0)
+    samples = held([EFFECTS["coulomb_friction"](fc=2.0)], poses)
+    q = np.array([sample.q_m for sample in samples])
     np.testing.assert_allclose(q, inverse_kinematics(poses, P), atol=2e-5)
-    off = np.abs(force - holding_forces_at(q, P))
+    off = np.abs(np.array([sample.effort_n for sample in samples]) - holding_forces_at(q, P))
     assert 1.0 < off.mean() < 2.0
     assert off.max() < 2.1
     with pytest.raises(PoseError, match=r"^pose 0 is not a rotation"):
-        static_points(P, [], 2.0 * poses, seed=3)
+        held([], 2.0 * poses)
 
 
 def test_field_effects_make_the_analytic_model_err_as_in_the_paper():
-    q, force = static_points(P, field_effects(), sample_workspace(60, P, seed=7, torsion_deg=0.0), seed=7)
-    percent = 100 * np.linalg.norm(force - holding_forces_at(q, P), axis=1) / np.linalg.norm(force, axis=1)
+    data = hold_field(P, sample_workspace(60, P, seed=7, torsion_deg=0.0), "random", seed=7)
+    percent = 100 * np.linalg.norm(data.force - data.nominal, axis=1) / np.linalg.norm(data.force, axis=1)
     print(f"analytic model on the field, torsion 0: {percent.mean():.1f} % on average (paper: 3.8 %)")
     assert percent.mean() == pytest.approx(3.8, abs=0.4)
 

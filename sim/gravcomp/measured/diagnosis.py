@@ -155,16 +155,15 @@ def _is_periodic(term: Term) -> bool:
 
 def _periodic_terms(data, rows, ripples, unexplained) -> list[tuple[Term, list]]:
     """Cogging at the pitches that lines in the residuals propose; waves and steps in time."""
-    out, pitches = [], set()
-    for residual in ripples:
-        pitches |= _pitches(data, rows, residual / np.maximum(residual.std(axis=0), 1e-300))
+    scaled = [residual / np.maximum(residual.std(axis=0), 1e-300) for residual in ripples]
+    pitches = set().union(*(_pitches(data, rows, residual) for residual in scaled))
+    out = []
     for pitch, harmonics in sorted(pitches):
         out.append(_effect_term(data, rows, Cogging(), {"pitch": pitch, "harmonics": harmonics}))
-    scaled = ripples[0] / np.maximum(ripples[0].std(axis=0), 1e-300)
     for i in range(data.n_axes):
         when = scan.step_in(data.t_s[rows], unexplained[:, i])
         out.append(_correction_term(data, rows, Correction(i, "step", ("t",), (when,))))
-        for frequency, _ in scan.find_lines(data.t_s[rows], scaled[:, [i]], 2):
+        for frequency, _ in scan.find_lines(data.t_s[rows], scaled[0][:, [i]], 2):
             out.append(_correction_term(data, rows, Correction(i, "wave", ("t",), (frequency,))))
     return out
 

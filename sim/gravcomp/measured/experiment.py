@@ -96,30 +96,11 @@ def measure(
     return Log(t, q, v, current, temperature, effort)
 
 
-def static_points(
-    p: RobotParameters, effects: Sequence[Effect], poses: np.ndarray, seed: int, noise_n: float = DEFAULT_NOISE_N
-) -> tuple[np.ndarray, np.ndarray]:
-    """Training data taken on the field: hold each pose (n, 3, 3), approached from a random side.
-
-    Returns q (n, 3), m, as read, and f_exp (n, 3), N, from the currents.
-    """
-    rng = np.random.default_rng(seed)
-    with _watched(len(poses)) as progress:
-        samples = hold_poses(Plant(p, effects), poses, random_sides(len(poses), rng), progress)
-    q, effort = np.array([s.q_m for s in samples]), np.array([s.effort_n for s in samples])
-    return q, effort + noise_n * rng.standard_normal(effort.shape)
-
-
 @contextmanager
 def _watched(n_samples: int) -> Iterator[tqdm]:
     """A progress bar; and if the PID loses the robot, check_control says so instead of NumPy."""
     with tqdm(total=n_samples, desc="measuring", delay=2.0, unit="sample") as progress, np.errstate(all="ignore"):
         yield progress
-
-
-def random_sides(n: int, rng: np.random.Generator) -> np.ndarray:
-    """Sides (n, 3) for ``hold_poses``, all directions equally likely."""
-    return rng.standard_normal((n, 3))
 
 
 def clear_sides(poses: np.ndarray, p: RobotParameters, rng: np.random.Generator) -> np.ndarray:

@@ -107,15 +107,9 @@ def _solve(data, y, rows, terms, start, weight):
     x0 = np.array([start[k][name] for k, name in names])
     size = np.maximum(np.abs(x0), 1e-9)
     positive = [_positive(term) for term in terms]
-    linear = [k for k, term in enumerate(terms) if not term.is_physical]
-    basis = np.zeros((y.size, sum(len(terms[k].labels) for k in linear)))
-    at = 0
-    for k in linear:
-        full = np.zeros((*y.shape, len(terms[k].labels)))
-        full[:, terms[k].source.axis] = terms[k].source.columns(data)[rows]
-        basis[:, at : at + len(terms[k].labels)] = (full * weight[..., None]).reshape(y.size, -1)
-        at += len(terms[k].labels)
-    q = np.linalg.svd(basis, full_matrices=False)[0][:, : np.linalg.matrix_rank(basis)] if at else basis
+    columns = {k: term.source.columns(data)[rows] for k, term in enumerate(terms) if not term.is_physical}
+    basis = _basis(y.shape, [terms[k].source.axis for k in columns], list(columns.values()), weight)
+    q = np.linalg.svd(basis, full_matrices=False)[0][:, : np.linalg.matrix_rank(basis)] if columns else basis
 
     def physical(x):
         force = np.zeros(data.shape)
@@ -135,7 +129,7 @@ def _solve(data, y, rows, terms, start, weight):
         found = least_squares(error, np.maximum(x0 / size, low), bounds=(low, np.inf), x_scale="jac", max_nfev=12)
         x, jacobian = found.x * size, found.jac / size
     left = y - (physical(x) if names else 0.0)
-    theta = np.linalg.lstsq(basis, (left * weight).ravel(), rcond=1e-9)[0] if at else np.zeros(0)
+    theta = np.linalg.lstsq(basis, (left * weight).ravel(), rcond=1e-9)[0] if columns else np.zeros(0)
     values, at = [], 0
     for k, term in enumerate(terms):
         if term.is_physical:
@@ -143,12 +137,22 @@ def _solve(data, y, rows, terms, start, weight):
         else:
             values.append(dict(zip(term.labels, theta[at : at + len(term.labels)].tolist(), strict=True)))
             at += len(term.labels)
-    if at:
+    if columns:
         fitted = np.zeros_like(y)
-        for k in linear:
-            fitted[:, terms[k].source.axis] += terms[k].source.columns(data)[rows] @ np.array(list(values[k].values()))
+        for k, own in columns.items():
+            fitted[:, terms[k].source.axis] += own @ np.array(list(values[k].values()))
         left = left - fitted
     return values, (names, x, jacobian), left
+
+
+def _basis(shape, axes, columns, weight) -> np.ndarray:
+    """Columns (n, m) of each correction, weighted, as forces of all axes one below the other (n k, sum of m)."""
+    basis = np.zeros((*shape, sum(own.shape[1] for own in columns)))
+    at = 0
+    for axis, own in zip(axes, columns, strict=True):
+        basis[:, axis, at : at + own.shape[1]] = own * weight[:, [axis]]
+        at += own.shape[1]
+    return basis.reshape(shape[0] * shape[1], basis.shape[-1])
 
 
 def _positive(term: Term) -> set[str]:
