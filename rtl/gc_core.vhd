@@ -6,7 +6,7 @@
 -- Formats: 32-bit counts -> 24 bits, mN. Initiation interval: hidden_c / lanes_g clocks (in_ready); latency from
 -- accepted counts to forces: 14 + ceil(log2(inputs_c + 1)) + ceil(log2(lanes_g)) + hidden_c / lanes_g clocks; with one
 -- lane inputs_c + outputs_c + 2 more, 2 with one axis, as its scalers share a multiplier each; with all neurons at once
--- 17 + ceil(log2(inputs_c + 1)) + ceil(log2(hidden_c + 1)), as the bias is a term of the last sum.
+-- 18 + ceil(log2(inputs_c + 1)) + ceil(log2(hidden_c + 1)), as the bias is a term of the last sum.
 -- Overflow: no intermediate can, for any count. Illegal input: counts outside the trained range are clamped and
 -- flagged; an output that does not fit saturates and is flagged.
 
@@ -45,29 +45,34 @@ end entity gc_core;
 
 architecture rtl of gc_core is
 
-  constant steps_c  : positive := hidden_c / lanes_g;
+  constant steps_c   : positive := hidden_c / lanes_g;
   -- With 20 clocks per inference one multiplier per scaler is enough.
-  constant serial_c : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
-  -- With all neurons at once the lanes are all over the chip: x and h travel a clock longer, to near copies.
-  constant spread_c : boolean := steps_c = 1;
+  constant serial_c  : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
+  -- With all neurons at once the lanes are all over the chip: x travels two clocks longer, to a copy per region and on
+  -- to one per lane; h one clock.
+  constant spread_c  : boolean  := steps_c = 1;
+  constant regions_c : positive := 4;
   -- From x to force: copies, lane, activation, output layer, output scaler.
-  constant delay_c  : positive := 2 * boolean'pos(spread_c) + hidden_latency(inputs_c, lanes_g) + 3
-                                  + (steps_c - 1 + output_latency(lanes_g, steps_c))
-                                  + (1 + scale_latency(outputs_c, serial_c));
+  constant delay_c   : positive := 3 * boolean'pos(spread_c) + hidden_latency(inputs_c, lanes_g) + 3
+                                   + (steps_c - 1 + output_latency(lanes_g, steps_c))
+                                   + (1 + scale_latency(outputs_c, serial_c));
 
   -- Clocks since the last accepted counts, and the step of the lanes; both rest at 0.
-  signal since       : std_ulogic_vector(steps_c - 1 downto 0);
-  signal since_runs  : std_ulogic;
-  signal step        : std_ulogic_vector(steps_c - 1 downto 0);
-  signal accept      : std_ulogic;
-  signal x_valid     : std_ulogic;
-  signal x           : signed(inputs_c * operand_bits_c - 1 downto 0);
-  signal x_clamped   : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal lane_valid  : std_ulogic;
-  signal h_valid     : std_ulogic_vector(lanes_g - 1 downto 0);
-  signal h           : signed(lanes_g * operand_bits_c - 1 downto 0);
-  signal total_valid : std_ulogic;
-  signal total       : signed(outputs_c * output_sum_bits_c - 1 downto 0);
+  signal since        : std_ulogic_vector(steps_c - 1 downto 0);
+  signal since_runs   : std_ulogic;
+  signal step         : std_ulogic_vector(steps_c - 1 downto 0);
+  signal accept       : std_ulogic;
+  signal x_valid      : std_ulogic;
+  signal x            : signed(inputs_c * operand_bits_c - 1 downto 0);
+  signal x_clamped    : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal lane_valid   : std_ulogic;
+  -- The copies of x, one per region.
+  signal region_valid : std_ulogic_vector(regions_c - 1 downto 0);
+  signal region_x     : signed(regions_c * inputs_c * operand_bits_c - 1 downto 0);
+  signal h_valid      : std_ulogic_vector(lanes_g - 1 downto 0);
+  signal h            : signed(lanes_g * operand_bits_c - 1 downto 0);
+  signal total_valid  : std_ulogic;
+  signal total        : signed(outputs_c * output_sum_bits_c - 1 downto 0);
 
 begin
 
@@ -118,6 +123,27 @@ begin
       out_clamped => x_clamped
     );
 
+  g_regions : if spread_c generate
+
+    g_region : for region in 0 to regions_c - 1 generate
+
+      i_x : entity work.gc_copy
+        generic map (
+          bits_g => x'length
+        )
+        port map (
+          clk       => clk,
+          rst       => rst,
+          in_valid  => lane_valid,
+          in_data   => x,
+          out_valid => region_valid(region),
+          out_data  => region_x((region + 1) * x'length - 1 downto region * x'length)
+        );
+
+    end generate g_region;
+
+  end generate g_regions;
+
   g_lane : for lane in 0 to lanes_g - 1 generate
     signal near_valid  : std_ulogic;
     signal near_x      : signed(inputs_c * operand_bits_c - 1 downto 0);
@@ -135,16 +161,18 @@ begin
     end generate g_near;
 
     g_spread : if spread_c generate
+      constant region_c : natural := lane * regions_c / lanes_g;
+    begin
 
       i_x : entity work.gc_copy
         generic map (
-          bits_g => inputs_c * operand_bits_c
+          bits_g => x'length
         )
         port map (
           clk       => clk,
           rst       => rst,
-          in_valid  => lane_valid,
-          in_data   => x,
+          in_valid  => region_valid(region_c),
+          in_data   => region_x((region_c + 1) * x'length - 1 downto region_c * x'length),
           out_valid => near_valid,
           out_data  => near_x
         );
