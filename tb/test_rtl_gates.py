@@ -9,7 +9,12 @@ import test_rtl_core
 from gravcomp.synthesis.verilog import rtl_sources, to_verilog
 from gravcomp.synthesis.yosys import synthesise
 from runner import BUILD, ROOT, RTL, simulate
-from test_rtl_core import back_to_back, random_gaps, reset_in_mid_stream  # noqa: F401, cocotb finds them here
+from test_rtl_core import (  # noqa: F401, cocotb finds them here
+    back_to_back,
+    random_gaps,
+    ready_at_its_interval,
+    reset_in_mid_stream,
+)
 
 GATES = BUILD / "gates"
 ECP5_MODELS = ROOT / "tb" / "gates" / "ecp5.v"
