@@ -1,6 +1,6 @@
 """Runs of the robot in the physics engine with gc_system in the loop: what they are, what they left, what it says.
 
-Time starts when the brakes open. Each run holds a pose, then moves away from it slowly.
+Time starts when the brakes open. Each run holds a pose, steps to others if it has steps, then moves slowly.
 """
 
 from dataclasses import dataclass, replace
@@ -16,10 +16,9 @@ from gravcomp.robot.parameters import RobotParameters
 from gravcomp.robot.prototype import TIME_STEP_S
 from gravcomp.robot.workspace import pose
 
-MEAN_SPEED_MPS = 3e-3  # of the fastest axis
 STILL_RADPS = 1e-4
+SETTLING_S = 0.25  # of the PID after a step
 _START_RAD = np.deg2rad([40.0, 18.0, 6.0])  # azimuth, tilt, torsion
-_DIRECTION = np.array([1.0, -0.6, 0.4])  # of the motion, per axis
 
 
 class Fault(StrEnum):
@@ -31,26 +30,64 @@ class Fault(StrEnum):
 
 
 @dataclass(frozen=True)
+class Move:
+    """From rest to rest by distance_m per axis; there is no jump in acceleration."""
+
+    start_s: float
+    duration_s: float
+    distance_m: tuple[float, float, float]
+
+    @property
+    def end_s(self) -> float:
+        """When it is at rest again."""
+        return self.start_s + self.duration_s
+
+    def way_m(self, t_s: float) -> np.ndarray:
+        """How far it has come (3,) at t."""
+        x = np.clip((t_s - self.start_s) / self.duration_s, 0.0, 1.0)
+        return np.array(self.distance_m) * x**3 * (10 - 15 * x + 6 * x**2)
+
+
+def slowly(start_s: float, duration_s: float) -> Move:
+    """A move at 3 mm/s on average, 5.6 mm/s at most, of the fastest axis."""
+    length_m = 3e-3 * duration_s
+    return Move(start_s, duration_s, (length_m, -0.6 * length_m, 0.4 * length_m))
+
+
+@dataclass(frozen=True)
 class Run:
-    """hold_s of holding, move_s of moving, then rest until duration_s; a fault comes at fault_s.
+    """Holding, steps, a slow move, then rest until duration_s; a fault comes at fault_s.
 
     uses_core: the core's commands act on the motors beside the PID. closing_s: of the brakes.
     """
 
     name: str
     uses_core: bool
-    hold_s: float
-    move_s: float
+    move: Move
     duration_s: float
+    steps: tuple[Move, ...] = ()
     fault: Fault = Fault.NONE
     fault_s: float = np.inf
     closing_s: float = 0.0
 
     def target_m(self, t_s: float, p: RobotParameters) -> np.ndarray:
-        """Where the carriages (3,) shall be at t: there is no jump in acceleration."""
+        """Where the carriages (3,) shall be at t."""
         start = inverse_kinematics(pose(*_START_RAD), p)
-        x = np.clip((t_s - self.hold_s) / self.move_s, 0.0, 1.0)
-        return start + MEAN_SPEED_MPS * self.move_s * _DIRECTION * x**3 * (10 - 15 * x + 6 * x**2)
+        return start + sum(move.way_m(t_s) for move in (*self.steps, self.move))
+
+    @property
+    def hold_s(self) -> float:
+        """How long the first pose is held."""
+        return min(move.start_s for move in (*self.steps, self.move))
+
+    def phases(self, t_s: np.ndarray) -> dict[str, np.ndarray]:
+        """Which samples (n,) belong to which phase; each belongs to one."""
+        stepping = np.zeros(len(t_s), bool)
+        for step in self.steps:
+            stepping |= (t_s >= step.start_s) & (t_s < step.end_s + SETTLING_S)
+        holding, moving = t_s < self.hold_s, t_s >= self.move.start_s
+        settled = ~(holding | stepping | moving)
+        return {"holding": holding, "stepping": stepping, "holding after steps": settled, "moving slowly": moving}
 
 
 def with_faults(hold: Run, moving: Run, closing_s: tuple[float, ...]) -> tuple[Run, ...]:
@@ -61,13 +98,19 @@ def with_faults(hold: Run, moving: Run, closing_s: tuple[float, ...]) -> tuple[R
 
 
 FULL = with_faults(
-    Run("pid", False, hold_s=0.5, move_s=0.8, duration_s=1.5),
-    Run("", True, hold_s=0.0, move_s=0.8, duration_s=0.55, fault_s=0.4),
+    Run(
+        "pid",
+        False,
+        slowly(1.5, 0.8),
+        2.3,
+        steps=(Move(0.5, 0.15, (1e-3, -0.6e-3, 0.4e-3)), Move(1.0, 0.15, (-0.4e-3, 1e-3, 0.7e-3))),
+    ),
+    Run("", True, slowly(0.0, 0.4), 0.3, fault_s=0.2),
     (0.0, 0.01),
 )
 SHORT = with_faults(
-    Run("pid", False, hold_s=0.1, move_s=0.1, duration_s=0.1),
-    Run("", True, hold_s=0.0, move_s=0.12, duration_s=0.09, fault_s=0.06),
+    Run("pid", False, slowly(0.1, 0.1), 0.1),
+    Run("", True, slowly(0.0, 0.12), 0.09, fault_s=0.06),
     (0.0,),
 )
 

@@ -13,14 +13,14 @@ _STYLES = {Fault.ESTOP: "-", Fault.ENCODER: "--"}
 
 
 def tracking_table(runs: Logs) -> str:
-    """Markdown: errors and forces of the runs without a fault, holding and moving."""
+    """Markdown: errors and forces of the runs without a fault, phase by phase."""
     lines = [
         "| | | error RMS, um | error max, um | PID RMS, N | PID max, N | motors RMS, N |",
         "|---|---|---|---|---|---|---|",
     ]
-    for phase in ("holding", "moving"):
+    for phase in runs[0][0].phases(runs[0][1].t_s):
         for run, log in runs:
-            chosen = (log.t_s < run.hold_s) == (phase == "holding")
+            chosen = run.phases(log.t_s)[phase]
             error_um, pid_n, motor_n = 1e6 * log.error_m()[chosen], log.pid_n[chosen], log.motor_n()[chosen]
             lines.append(
                 f"| {phase} | {_NAMES[run.uses_core]} | {rms(error_um):.2f} | {np.abs(error_um).max():.2f} "
@@ -55,10 +55,14 @@ def picture(tracked: Logs, stopped: Logs):
         style = {"color": _COLOURS[run.uses_core], "label": _NAMES[run.uses_core]}
         error.semilogy(log.t_s, np.maximum(1e6 * np.abs(log.error_m()).max(axis=1), 0.01), **style)
         force.plot(log.t_s, np.abs(log.pid_n).max(axis=1), **style)
-    start_s = tracked[0][0].hold_s
+    run = tracked[0][0]
     for axes in (error, force):
-        axes.axvspan(start_s, start_s + tracked[0][0].move_s, color="0.92", zorder=0, label="moving")
-        axes.legend()
+        for step in run.steps:
+            axes.axvspan(
+                step.start_s, step.end_s, color="0.82", zorder=0, label="step" if step is run.steps[0] else None
+            )
+        axes.axvspan(run.move.start_s, run.move.end_s, color="0.92", zorder=0, label="moving slowly")
+        axes.legend(fontsize="small")
     error.set(title="Tracking error, worst axis", ylabel="um")
     force.set(title="Force of the PID, worst axis", ylabel="N", xlabel="time since the brakes opened, s")
     for run, log in stopped:
