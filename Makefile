@@ -10,7 +10,7 @@ export WEIGHTS
 .PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate coverage test test-fast train table1 rom regs system hil budget latency formats docs loop blind table2 lint clean
 
 help: ## list the targets
-	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
 
 setup:
 	@scripts/setup.sh
@@ -30,7 +30,7 @@ coverage: ## the statements of the VHDL that the tests run; docs/coverage.md
 	@scripts/setup.sh ghdl-gcc
 	@$(RUN)/gravcomp coverage --docs docs
 
-test: setup ## all tests
+test: setup ## all tests but the long ones of the netlists, for which see gatesim
 	@$(PYTEST) -q -n auto
 
 test-fast: setup ## the tests that take less than ten seconds each
