@@ -42,7 +42,7 @@ CLAIMS = (
     *(Claim("valid_pipeline", "gc_core", {"lanes_g": n}, {"INTERVAL": HIDDEN // n}, 0) for n in LANES),
     # One lane holds all neurons; the hidden sums are the same with more.
     Claim("hidden_sums", "gc_hidden_lane", {"lanes_g": 1}),
-    *(Claim("output_sums", "gc_output_layer", {"lanes_g": n}) for n in (1, 4)),
+    *(Claim("output_sums", "gc_output_layer", {"lanes_g": n}) for n in LANES),
     Claim("input_clamp", "gc_input_scaler", {"serial_g": "false"}, {"LATENCY": 3, "PRODUCT_CLOCKS": 1}),
     Claim("input_clamp", "gc_input_scaler", {"serial_g": "true"}, {"LATENCY": 6, "PRODUCT_CLOCKS": 0}),
     Claim("hidden_saturation", "gc_hidden_lane"),
@@ -54,8 +54,11 @@ CLAIMS = (
 )
 
 
-# Checkers written from the weights, and those with parameters of the network.
-SUMS = {"hidden_sums": hidden_sums, "output_sums": output_sums}
+# Checkers written from the weights, one or several per claim, and those with parameters of the network.
+SUMS = {
+    "hidden_sums": lambda fixed, lanes: [hidden_sums(fixed, lanes)],
+    "output_sums": lambda fixed, lanes: [output_sums(fixed, lanes, k) for k in range(fixed.n_axes)],
+}
 OF_THE_NETWORK = {
     "input_clamp": lambda fixed: {
         "LOW": _packed(fixed.count_low, COUNT_BITS),
@@ -73,10 +76,7 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
     """Prove or refute a claim about the VHDL of folder rtl; intermediate files go to a folder of its name in out."""
     folder, parameters = out / claim.name, dict(claim.parameters)
     if claim.checker in SUMS:
-        design = _design(claim.entity, claim.generics, rtl, folder)
-        checker = folder / f"{claim.checker}.sv"
-        checker.write_text(SUMS[claim.checker](_network(checkers), claim.generics["lanes_g"]))
-        return induct(design, checker, folder)
+        return _verify_sums(claim, _design(claim.entity, claim.generics, rtl, folder), _network(checkers))
     if claim.checker in OF_THE_NETWORK:
         parameters |= OF_THE_NETWORK[claim.checker](_network(checkers))
     if claim.clocks_behind_core is not None:
@@ -87,6 +87,19 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
     design = _design(claim.entity, claim.generics, rtl, folder)
     checker, clocks = checkers / f"{claim.checker}.sv", parameters.get("INTERVAL", 1)
     return model_check(design, checker, folder, parameters, clocks)
+
+
+def _verify_sums(claim: Claim, design: Path, fixed: FixedNetwork) -> Verdict:
+    """The verdict about the first of a claim's checkers that is not proven, or about the last."""
+    for k, text in enumerate(SUMS[claim.checker](fixed, claim.generics["lanes_g"])):
+        folder = design.parent / str(k)
+        folder.mkdir(exist_ok=True)
+        checker = folder / f"{claim.checker}.sv"
+        checker.write_text(text)
+        verdict = induct(design, checker, folder)
+        if not verdict.holds:
+            break
+    return verdict
 
 
 def _network(checkers: Path) -> FixedNetwork:

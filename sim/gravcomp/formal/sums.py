@@ -3,7 +3,7 @@
 A checker follows the data through gc_hidden_lane or gc_output_layer, neuron by neuron, and asserts of every register on
 the way in which interval it lies: that of the products of its weights with any operand of 18 bits. The intervals are
 inductive, each follows from those before it, and no adder leaves its width within them. Products are free values
-between the ends that the operand b allows, -2^17 b and (2^17 - 1) b: all that is used about a multiplier.
+that lie, where one operand is a weight w, between -2^17 w and (2^17 - 1) w: all that is used about a multiplier.
 """
 
 from dataclasses import dataclass
@@ -48,70 +48,68 @@ def hidden_sums(fixed: FixedNetwork, lanes: int, lane: int = 0) -> str:
     ]
     tree = Tree("i_sum", products, [int(bias) for bias in fixed.hidden_bias[neurons]])
     width = fixed.hidden_sum_bits
-    return _checker("hidden_sums", "gc_hidden_lane", "in_x", fixed.n_axes, width, int(lanes == 1), ["i_rom"], [tree])
+    return _checker("hidden_sums", "gc_hidden_lane", "in_x", fixed.n_axes, width, int(lanes == 1), ["i_rom"], tree)
 
 
-def output_sums(fixed: FixedNetwork, lanes: int) -> str:
-    """Checker of gc_output_layer with generic lanes_g: module output_sums."""
+def output_sums(fixed: FixedNetwork, lanes: int, k: int) -> str:
+    """Checker of gc_output_layer with generic lanes_g, of output k: module output_sums."""
     bits, n = fixed.output_sum_bits, fixed.n_axes
-    trees = []
-    for k in range(n):
-        products = [
-            Product(
-                f"g_lane_n{lane + 1}_g_output_n{k + 1}_i_multiply",
-                f"g_lane_n{lane + 1}_word",
-                OPERAND_BITS * n,
-                OPERAND_BITS * k,
-                [int(weight) for weight in fixed.output_weights[k, lane::lanes]],
-            )
-            for lane in range(lanes)
-        ]
-        bias = [int(fixed.output_bias[k])] * (fixed.n_hidden // lanes)
-        accumulates = (
-            {} if len(bias) == 1 else {"bias_term": False, "accumulator_bits": bits * n, "accumulator_low": bits * k}
+    products = [
+        Product(
+            f"g_lane_n{lane + 1}_g_output_n{k + 1}_i_multiply",
+            f"g_lane_n{lane + 1}_word",
+            OPERAND_BITS * n,
+            OPERAND_BITS * k,
+            [int(weight) for weight in fixed.output_weights[k, lane::lanes]],
         )
-        trees.append(Tree(f"g_tree_n{k + 1}_i_tree", products, bias, **accumulates))
+        for lane in range(lanes)
+    ]
+    bias = [int(fixed.output_bias[k])] * (fixed.n_hidden // lanes)
+    accumulates = (
+        {} if len(bias) == 1 else {"bias_term": False, "accumulator_bits": bits * n, "accumulator_low": bits * k}
+    )
+    tree = Tree(f"g_tree_n{k + 1}_i_tree", products, bias, **accumulates)
     roms = [f"g_lane_n{lane + 1}_i_rom" for lane in range(lanes)]
     term_clocks = int(lanes in (1, fixed.n_hidden))
-    return _checker("output_sums", "gc_output_layer", "in_h", lanes, bits, term_clocks, roms, trees)
+    return _checker("output_sums", "gc_output_layer", "in_h", lanes, bits, term_clocks, roms, tree)
 
 
 def _checker(
-    name: str, entity: str, port: str, n_operands: int, bits: int, term_clocks: int, roms: list[str], trees: list[Tree]
+    name: str, entity: str, port: str, n_operands: int, bits: int, term_clocks: int, roms: list[str], tree: Tree
 ) -> str:
     """term_clocks: registers between product and tree, as gc_fixed_pkg has it; no proof succeeds with a wrong one."""
-    steps = len(trees[0].bias)
-    depth = (len(trees[0].products) + trees[0].bias_term - 1).bit_length()
+    steps = len(tree.bias)
+    depth = (len(tree.products) + tree.bias_term - 1).bit_length()
     facts = _Facts(bits, 2 + term_clocks + depth)
     facts.add(f"done < {steps}")
     for rom in roms if steps > 1 else []:
         address = facts.wire(f"{rom}.g_rom_address", (steps - 1).bit_length())
         facts.add(f"{address} == (at_0 == {steps - 1} ? 0 : at_0 + 1)")
-    for tree in trees:
-        per_step = _intervals(tree, 2**depth)
-        for product in tree.products:
-            _product_facts(facts, product)
-        if tree.bias_term and steps > 1:
-            word = facts.wire("word", tree.products[0].word_bits)
-            facts.add(f"$signed({word}[{OPERAND_BITS * len(tree.products)} +: {bits}]) == {_pick(0, tree.bias)}")
-            for stage in (1, 2):
-                bias = facts.wire(f"bias_{stage}", bits)
-                facts.add(f"!valid_{stage} || $signed({bias}) == {_pick(stage, tree.bias)}")
-        root = _node_facts(facts, tree, depth, per_step)
-        if not tree.bias_term:
-            _accumulator_facts(facts, tree, root, per_step)
-    stages = range(1, facts.n_stages + 1)
-    valids = _valids(facts, trees[0])
+    per_step = _intervals(tree, 2**depth)
+    for product in tree.products:
+        _product_facts(facts, product)
+    if tree.bias_term and steps > 1:
+        word = facts.wire("word", tree.products[0].word_bits)
+        facts.add(f"$signed({word}[{OPERAND_BITS * len(tree.products)} +: {bits}]) == {facts.pick(0, tree.bias)}")
+        for stage in (1, 2):
+            bias = facts.wire(f"bias_{stage}", bits)
+            facts.add(f"!valid_{stage} || $signed({bias}) == {facts.pick(stage, tree.bias)}")
+    root = _node_facts(facts, tree, depth, per_step)
+    if not tree.bias_term:
+        _accumulator_facts(facts, tree, root, per_step)
+    valids, last = _valids(facts, tree), facts.n_stages
+    places = [f"  wire [5:0] at_{last} = done;"]
+    for k in reversed(range(last)):
+        places.append(f"  wire [5:0] at_{k} = valid_{k + 1} ? ({_following(f'at_{k + 1}', steps)}) : at_{k + 1};")
     return _MODULE.format(
-        name=name, entity=entity, port=port, high=OPERAND_BITS * n_operands - 1, bits=bits, last=stages[-1],
+        name=name, entity=entity, port=port, high=OPERAND_BITS * n_operands - 1, bits=bits, last=last,
         wires="\n".join(facts.wires), assumptions="\n".join(facts.assumptions), facts=" &&\n        ".join(facts.facts),
-        valids=valids,
-        places="\n".join(
-            f"  wire [5:0] ahead_{k} = done{''.join(f' + valid_{j}' for j in stages if j > k)};\n"
-            f"  wire [5:0] at_{k} = ahead_{k} >= {steps} ? ahead_{k} - {steps} : ahead_{k};" for k in (0, *stages)
-        ),
-        next_step=f"at_{stages[-1]} == {steps - 1} ? 0 : at_{stages[-1]} + 1",
+        valids=valids, places="\n".join(places), next_step=_following("done", steps),
     )  # fmt: skip
+
+
+def _following(step: str, steps: int) -> str:
+    return f"{step} == {steps - 1} ? 0 : {step} + 1"
 
 
 _MODULE = """\
@@ -204,31 +202,22 @@ def _accumulator_facts(facts: "_Facts", tree: Tree, root: str, per_step: list[li
 
 def _product_facts(facts: "_Facts", product: Product) -> None:
     word = facts.wire(product.word, product.word_bits)
-    facts.add(f"$signed({word}[{product.word_low} +: {OPERAND_BITS}]) == {_pick(0, product.weights)}")
+    facts.add(f"$signed({word}[{product.word_low} +: {OPERAND_BITS}]) == {facts.pick(0, product.weights)}")
     operand = facts.wire(f"{product.multiplier}.b_1", OPERAND_BITS)
-    facts.add(f"!valid_1 || $signed({operand}) == {_pick(1, product.weights)}")
+    facts.add(f"!valid_1 || $signed({operand}) == {facts.pick(1, product.weights)}")
     free = facts.wire(f"{product.multiplier}.product", 2 * OPERAND_BITS)
-    b, p, full = f"$signed({operand})", f"$signed({free})", OPERAND_BITS - 1
-    one_end, other_end = f"-({b} <<< {full})", f"({b} <<< {full}) - {b}"
+    intervals = [_product_interval(weight) for weight in product.weights]
+    low, high = (facts.pick(1, [interval[end] for interval in intervals]) for end in (0, 1))
     facts.assumptions.append(
-        f"    assume ({b} >= 0 ? {p} >= {one_end} && {p} <= {other_end} : {p} >= {other_end} && {p} <= {one_end});"
+        f"    assume ($signed({operand}) != {facts.pick(1, product.weights)} "
+        f"|| $signed({free}) >= {low} && $signed({free}) <= {high});"
     )
     result = facts.wire(f"{product.multiplier}.product_2", 2 * OPERAND_BITS)
-    facts.within(f"$signed({result})", 2, [_product_interval(weight) for weight in product.weights])
+    facts.within(f"$signed({result})", 2, intervals)
 
 
 def _product_interval(weight: int) -> Interval:
     return min(_LOW * weight, _HIGH * weight), max(_LOW * weight, _HIGH * weight)
-
-
-def _pick(stage: int, values: list[int]) -> str:
-    """The value of the step that is in a stage, as an expression of 64 bits."""
-    *others, last = [f"64'sd{value}" if value >= 0 else f"-64'sd{-value}" for value in values]
-    if set(others) <= {last}:
-        return last
-    for s in reversed(range(len(others))):
-        last = f"at_{stage} == {s} ? {others[s]} : {last}"
-    return f"({last})"
 
 
 class _Facts:
@@ -249,11 +238,20 @@ class _Facts:
             self.wires.append(line)
         return name
 
+    def pick(self, stage: int, values: list[int]) -> str:
+        """The value of the step that is in a stage, as an expression one bit wider than the sums."""
+        *others, last = [f"{'-' * (value < 0)}{self.bits + 1}'sd{abs(value)}" for value in values]
+        if set(others) <= {last}:
+            return last
+        for s in reversed(range(len(others))):
+            last = f"at_{stage} == {s} ? {others[s]} : {last}"
+        return f"({last})"
+
     def add(self, fact: str) -> None:
         self.facts.append(f"({fact})")
 
     def within(self, value: str, stage: int, intervals: list[Interval], when: str | None = None) -> None:
-        low, high = (_pick(stage, [interval[end] for interval in intervals]) for end in (0, 1))
+        low, high = (self.pick(stage, [interval[end] for interval in intervals]) for end in (0, 1))
         when = f"!valid_{stage} || " if when is None else when
         self.add(f"{when}{value} >= {low} && {value} <= {high}")
 
