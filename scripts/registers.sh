@@ -4,6 +4,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 out=${1:-.}
+version=$(.venv/bin/python -c 'from importlib.metadata import version; print(version("gravcomp"))')
 properties=$(.venv/bin/python -c 'import importlib.resources as r; print(r.files("peakrdl_regblock_vhdl") / "hdl_src")')
 peakrdl() {
     exporter=$1
@@ -16,5 +17,6 @@ peakrdl regblock-vhdl -o "$out/rtl/registers" --cpuif axi4-lite-flat --default-r
     --err-if-bad-addr --err-if-bad-rw --copy-utils-pkg
 peakrdl c-header -o "$out/host/gravcomp_registers.h" --std gnu99 --type-style hier
 peakrdl html -o "$out/build/registers"
-peakrdl ip-xact -o "$out/build/gc_registers.xml" --standard 2009 --vendor gravcomp --library gravcomp --version 0.1.0
+peakrdl ip-xact -o "$out/build/gc_registers.xml" --standard 2009 --vendor gravcomp --library gravcomp \
+    --version "$version"
 .venv/bin/gravcomp ipxact "$out/build/gc_registers.xml" --out "$out/rtl"

@@ -16,7 +16,7 @@ from codes import ROOT
 from gravcomp.cli import main
 from gravcomp.errors import InputError
 from gravcomp.system.entity import Generic, read_entity
-from gravcomp.system.ipxact import SCRIPT, SPIRIT, component
+from gravcomp.system.ipxact import SCRIPT, SPIRIT, XILINX, component
 from gravcomp.system.registers import IPXACT, read_registers
 from runner import RTL
 
@@ -130,7 +130,7 @@ def test_map_of_the_bus_holds_every_register():
 
 def test_version_is_that_of_the_package():
     wanted = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
-    assert text("s:version") == wanted
+    assert f"{text('s:version')}.{COMPONENT.findtext(f'.//{{{XILINX}}}coreRevision')}" == wanted
 
 
 def test_parameters_are_the_generics_and_reach_them(tmp_path):

@@ -86,3 +86,9 @@ def test_model_that_is_not_there_is_refused_in_one_line(heavy, capsys):
     error = capsys.readouterr().err
     assert "absent.toml: cannot be read" in error
     assert error.count("\n") == 1
+
+
+def test_report_of_a_loop_that_is_not_there_prints_one_line(tmp_path, capsys):
+    assert main(["loop-report", "--loop", str(tmp_path)]) == 2
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err.count("\n")) == ("", 1)

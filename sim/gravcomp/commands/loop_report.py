@@ -10,9 +10,10 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    table, noise_n = error_table(arguments.loop), noise_floor_n(arguments.loop)
     print("| held-out samples | before: RMS, N | max, N | ave, % | after: RMS, N | max, N | ave, % |")
     print("|---|---|---|---|---|---|---|")
-    for name, runs in error_table(arguments.loop).items():
+    for name, runs in table.items():
         cells = [f"{runs[run]['rms_n']:.3f} | {runs[run]['max_n']:.2f} | {runs[run]['ave_pct']:.2f}" for run in RUNS]
         print(f"| {name} | {' | '.join(cells)} |")
-    print(f"\nNoise of the measurement: {noise_floor_n(arguments.loop):.3f} N RMS.")
+    print(f"\nNoise of the measurement: {noise_n:.3f} N RMS.")

@@ -32,14 +32,16 @@ ElementTree.register_namespace("xilinx", XILINX)
 def component(entity: Entity, sources: Sequence[str], register_map: Path) -> str:
     """The XML. sources: in compile order, relative to the component. register_map: PeakRDL's IP-XACT, 1685-2009.
 
-    Vendor, library and version are those of the register map. Raises InputError when it cannot be read, or a generic
-    has a type that has no counterpart here.
+    Vendor, library and version are those of the register map; Vivado's versions have two numbers, the third is its
+    revision. Raises InputError when the map cannot be read, or a generic has a type that has no counterpart here.
     """
     try:
         root = ElementTree.parse(register_map).getroot()
     except (OSError, ElementTree.ParseError) as error:
         raise InputError(f"{register_map}: no register map ({error}); write it with `make regs`") from error
     root.find(f"{{{SPIRIT}}}name").text = entity.name
+    version = root.find(f"{{{SPIRIT}}}version")
+    version.text, revision = version.text.rsplit(".", 1)
     maps = root.find(f"{{{SPIRIT}}}memoryMaps")
     _complete(maps, entity)
     root.remove(maps)
@@ -49,7 +51,7 @@ def component(entity: Entity, sources: Sequence[str], register_map: Path) -> str
     _add_files(root, sources)
     _add(root, "description", entity.description)
     _add_parameters(root, entity)
-    _add_extensions(root)
+    _add_extensions(root, revision)
     ElementTree.indent(root)
     return _HEADER + ElementTree.tostring(root, "unicode") + "\n"
 
@@ -223,9 +225,10 @@ def _format(generic: Generic) -> tuple[str, str, str | None]:
         raise InputError(f"{generic.name}: no IP-XACT format for {generic.kind}; use {', '.join(_FORMATS)}") from None
 
 
-def _add_extensions(root: ElementTree.Element) -> None:
+def _add_extensions(root: ElementTree.Element, revision: str) -> None:
     extensions = _add(_add(root, "vendorExtensions"), "coreExtensions", space=XILINX)
     families = _add(extensions, "supportedFamilies", space=XILINX)
     for family in _FAMILIES.split():
         _add(families, "family", family, space=XILINX, lifeCycle="Production")
     _add(_add(extensions, "taxonomies", space=XILINX), "taxonomy", "/UserIP", space=XILINX)
+    _add(extensions, "coreRevision", revision, space=XILINX)
