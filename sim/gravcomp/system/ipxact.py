@@ -213,7 +213,8 @@ def _add_parameters(root: ElementTree.Element, entity: Entity) -> None:
 def _add_value(parameter: ElementTree.Element, generic: Generic, resolve: str, prefix: str) -> None:
     _, form, least = _format(generic)
     _add(parameter, "name", generic.name)
-    _add(parameter, "description", generic.description)
+    if generic.description:
+        _add(parameter, "description", generic.description)
     limits = {"minimum": least, "rangeType": "long"} if least and resolve == "user" else {}
     _add(parameter, "value", generic.default, format=form, resolve=resolve, id=f"{prefix}.{generic.name}", **limits)
 
