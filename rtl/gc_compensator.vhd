@@ -16,9 +16,14 @@ library ieee;
 library work;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
   use work.gc_compensation_pkg.all;
 
 entity gc_compensator is
+  generic (
+    -- Whether all tables are built and can be replaced, through the ports memory and scalars.
+    loadable_g : boolean := false
+  );
   port (
     clk           : in    std_ulogic;
     -- Synchronous, active high; clears the valid bits.
@@ -34,7 +39,10 @@ entity gc_compensator is
     -- Compensated forces, mN, axis 1 lowest.
     out_force     : out   signed(outputs_c * force_bits_c - 1 downto 0);
     -- Force of this axis did not fit.
-    out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0)
+    out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0);
+    -- Loaded words and constants; read where loadable_g.
+    memory        : in    memory_t := rom_memory_c;
+    scalars       : in    scalars_t := rom_scalars_c
   );
 end entity gc_compensator;
 
@@ -64,7 +72,8 @@ begin
     -- stages 1 to 7: the position's part
     i_position : entity work.gc_position_table
       generic map (
-        axis_g => i
+        axis_g     => i,
+        loadable_g => loadable_g
       )
       port map (
         clk       => clk,
@@ -72,7 +81,9 @@ begin
         in_valid  => in_valid,
         in_count  => in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c),
         out_valid => open,
-        out_value => position_7
+        out_value => position_7,
+        memory    => memory,
+        scalars   => scalars
       );
 
     i_force : entity work.gc_delay
@@ -89,7 +100,8 @@ begin
     -- stages 1 to 10: the speed's part
     i_friction : entity work.gc_friction
       generic map (
-        axis_g => i
+        axis_g     => i,
+        loadable_g => loadable_g
       )
       port map (
         clk          => clk,
@@ -98,7 +110,8 @@ begin
         in_force     => in_force((i + 1) * force_bits_c - 1 downto i * force_bits_c),
         in_period    => in_period((i + 1) * 32 - 1 downto i * 32),
         out_valid    => valid_10(i),
-        out_friction => friction_10
+        out_friction => friction_10,
+        memory       => memory
       );
 
     p_sum : process (clk) is

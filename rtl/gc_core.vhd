@@ -17,15 +17,18 @@ library ieee;
 library work;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
 
 entity gc_core is
   generic (
     -- Neurons per clock; must divide the hidden size.
-    lanes_g : positive := 4
+    lanes_g    : positive := 4;
+    -- Whether the constants can be replaced, through the ports memory and scalars.
+    loadable_g : boolean := false
   );
   port (
     clk           : in    std_ulogic;
-    -- Synchronous, active high; forgets what is under way.
+    -- Synchronous, active high; forgets what is under way. Needed after a change of memory.bank or scalars.
     rst           : in    std_ulogic;
     -- Counts are taken in a clock with in_valid and in_ready.
     in_valid      : in    std_ulogic;
@@ -39,7 +42,10 @@ entity gc_core is
     -- Count of this axis was outside the trained range.
     out_clamped   : out   std_ulogic_vector(inputs_c - 1 downto 0);
     -- Output of this axis saturated.
-    out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0)
+    out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0);
+    -- Loaded weights and constants; read where loadable_g.
+    memory        : in    memory_t := rom_memory_c;
+    scalars       : in    scalars_t := rom_scalars_c
   );
 end entity gc_core;
 
@@ -111,7 +117,8 @@ begin
 
   i_input_scaler : entity work.gc_input_scaler
     generic map (
-      serial_g => serial_c
+      serial_g   => serial_c,
+      loadable_g => loadable_g
     )
     port map (
       clk         => clk,
@@ -120,7 +127,8 @@ begin
       in_count    => in_count,
       out_valid   => x_valid,
       out_x       => x,
-      out_clamped => x_clamped
+      out_clamped => x_clamped,
+      scalars     => scalars
     );
 
   g_regions : if spread_c generate
@@ -194,8 +202,9 @@ begin
 
     i_hidden_lane : entity work.gc_hidden_lane
       generic map (
-        lanes_g => lanes_g,
-        lane_g  => lane
+        lanes_g    => lanes_g,
+        lane_g     => lane,
+        loadable_g => loadable_g
       )
       port map (
         clk       => clk,
@@ -203,7 +212,8 @@ begin
         in_valid  => near_valid,
         in_x      => near_x,
         out_valid => a_valid,
-        out_a     => a
+        out_a     => a,
+        memory    => memory
       );
 
     i_activation : entity work.gc_activation
@@ -220,7 +230,8 @@ begin
 
   i_output_layer : entity work.gc_output_layer
     generic map (
-      lanes_g => lanes_g
+      lanes_g    => lanes_g,
+      loadable_g => loadable_g
     )
     port map (
       clk       => clk,
@@ -228,12 +239,15 @@ begin
       in_valid  => h_valid(0),
       in_h      => h,
       out_valid => total_valid,
-      out_total => total
+      out_total => total,
+      memory    => memory,
+      scalars   => scalars
     );
 
   i_output_scaler : entity work.gc_output_scaler
     generic map (
-      serial_g => serial_c
+      serial_g   => serial_c,
+      loadable_g => loadable_g
     )
     port map (
       clk           => clk,
@@ -242,7 +256,8 @@ begin
       in_total      => total,
       out_valid     => out_valid,
       out_force     => out_force,
-      out_saturated => out_saturated
+      out_saturated => out_saturated,
+      scalars       => scalars
     );
 
   -- The flags of the input travel beside the data.

@@ -12,8 +12,13 @@ library ieee;
 library work;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
 
 entity gc_current_scaler is
+  generic (
+    -- Whether the constants are those of the port scalars, rather than those of the ROM.
+    loadable_g : boolean := false
+  );
   port (
     clk         : in    std_ulogic;
     -- Synchronous, active high; clears the valid bits.
@@ -23,21 +28,25 @@ entity gc_current_scaler is
     in_force    : in    signed(outputs_c * force_bits_c - 1 downto 0);
     out_valid   : out   std_ulogic;
     -- Motor currents, uA, axis 1 lowest.
-    out_current : out   signed(outputs_c * current_bits_c - 1 downto 0)
+    out_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    -- Loaded constants; read where loadable_g.
+    scalars     : in    scalars_t := rom_scalars_c
   );
 end entity gc_current_scaler;
 
 architecture rtl of gc_current_scaler is
 
   constant product_bits_c : positive := force_bits_c + operand_bits_c;
-  constant factor_c       : operand_t := to_signed(current_scale_c, operand_bits_c);
   constant half_c         : signed(product_bits_c - 1 downto 0) := to_signed(2 ** (current_scale_fraction_c - 1),
                                                                              product_bits_c);
 
+  signal used    : scalars_t;
   signal valid_2 : std_ulogic_vector(outputs_c - 1 downto 0);
   signal valid_3 : std_ulogic := '0';
 
 begin
+
+  used <= in_use(loadable_g, scalars);
 
   g_axis : for i in 0 to outputs_c - 1 generate
     signal product_2 : signed(product_bits_c - 1 downto 0);
@@ -55,7 +64,7 @@ begin
         rst         => rst,
         in_valid    => in_valid,
         in_a        => in_force((i + 1) * force_bits_c - 1 downto i * force_bits_c),
-        in_b        => factor_c,
+        in_b        => used.current_scale,
         out_valid   => valid_2(i),
         out_product => product_2
       );

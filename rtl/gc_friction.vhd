@@ -15,12 +15,15 @@ library ieee;
 library work;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
   use work.gc_compensation_pkg.all;
 
 entity gc_friction is
   generic (
     -- Which axis, 0 the first.
-    axis_g : natural := 0
+    axis_g     : natural := 0;
+    -- Whether the tables can be replaced, through the port memory.
+    loadable_g : boolean := false
   );
   port (
     clk          : in    std_ulogic;
@@ -32,7 +35,9 @@ entity gc_friction is
     -- Clocks per 4 counts, negative when counting down; see gc_speed_meter.
     in_period    : in    signed(31 downto 0);
     out_valid    : out   std_ulogic;
-    out_friction : out   signed(friction_bits_c - 1 downto 0)
+    out_friction : out   signed(friction_bits_c - 1 downto 0);
+    -- Loaded words; read where loadable_g.
+    memory       : in    memory_t := rom_memory_c
   );
 end entity gc_friction;
 
@@ -40,10 +45,12 @@ architecture rtl of gc_friction is
 
   constant load_bits_c   : positive := force_bits_c + 1 + operand_bits_c;
   constant mu_fraction_c : positive := operand_bits_c - 1;
+  constant has_sliding_c : boolean  := loadable_g or friction_used_c(axis_g) = '1';
+  constant has_load_c    : boolean  := loadable_g or mu_used_c(axis_g) = '1';
 
   signal valid       : std_ulogic_vector(1 to 10) := (others => '0');
   signal valid_3     : std_ulogic;
-  signal address_3   : unsigned(8 downto 0);
+  signal address_3   : unsigned(speed_address_bits_c - 1 downto 0);
   signal fraction_3  : unsigned(operand_bits_c - 2 downto 0);
   signal sliding_7   : operand_t;
   signal sliding_8   : operand_t;
@@ -67,12 +74,15 @@ begin
 
   -- stages 4 to 7: look up
 
-  g_sliding : if friction_used_c(axis_g) = '1' generate
+  g_sliding : if has_sliding_c generate
 
     i_sliding : entity work.gc_table
       generic map (
-        address_bits_g => 9,
-        table_g        => speed_table(friction_words_c, axis_g)
+        address_bits_g => speed_address_bits_c,
+        table_g        => speed_table(friction_words_c, axis_g),
+        loadable_g     => loadable_g,
+        axis_g         => axis_g,
+        section_g      => friction_section_c
       )
       port map (
         clk         => clk,
@@ -81,16 +91,17 @@ begin
         in_address  => address_3,
         in_fraction => fraction_3,
         out_valid   => open,
-        out_value   => sliding_7
+        out_value   => sliding_7,
+        memory      => memory
       );
 
   end generate g_sliding;
 
-  g_no_sliding : if friction_used_c(axis_g) = '0' generate
+  g_no_sliding : if not has_sliding_c generate
     sliding_7 <= (others => '0');
   end generate g_no_sliding;
 
-  g_load : if mu_used_c(axis_g) = '1' generate
+  g_load : if has_load_c generate
     signal mu_7        : operand_t;
     signal valid_7     : std_ulogic;
     signal force_6     : std_ulogic_vector(force_bits_c - 1 downto 0);
@@ -99,8 +110,11 @@ begin
 
     i_mu : entity work.gc_table
       generic map (
-        address_bits_g => 9,
-        table_g        => speed_table(mu_words_c, axis_g)
+        address_bits_g => speed_address_bits_c,
+        table_g        => speed_table(mu_words_c, axis_g),
+        loadable_g     => loadable_g,
+        axis_g         => axis_g,
+        section_g      => mu_section_c
       )
       port map (
         clk         => clk,
@@ -109,7 +123,8 @@ begin
         in_address  => address_3,
         in_fraction => fraction_3,
         out_valid   => valid_7,
-        out_value   => mu_7
+        out_value   => mu_7,
+        memory      => memory
       );
 
     i_force : entity work.gc_delay
@@ -153,7 +168,7 @@ begin
 
   end generate g_load;
 
-  g_no_load : if mu_used_c(axis_g) = '0' generate
+  g_no_load : if not has_load_c generate
     load_9 <= (others => '0');
   end generate g_no_load;
 

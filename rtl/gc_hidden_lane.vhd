@@ -15,12 +15,15 @@ library ieee;
 library work;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
 
 entity gc_hidden_lane is
   generic (
     -- Lanes, and which of them this is.
-    lanes_g : positive := 1;
-    lane_g  : natural := 0
+    lanes_g    : positive := 1;
+    lane_g     : natural := 0;
+    -- Whether the weights can be replaced, through the port memory.
+    loadable_g : boolean := false
   );
   port (
     clk       : in    std_ulogic;
@@ -31,7 +34,9 @@ entity gc_hidden_lane is
     in_x      : in    signed(inputs_c * operand_bits_c - 1 downto 0);
     out_valid : out   std_ulogic;
     -- Pre-activation of the neuron.
-    out_a     : out   operand_t
+    out_a     : out   operand_t;
+    -- Loaded words; read where loadable_g.
+    memory    : in    memory_t := rom_memory_c
   );
 end entity gc_hidden_lane;
 
@@ -53,20 +58,43 @@ architecture rtl of gc_hidden_lane is
 
 begin
 
-  i_rom : entity work.gc_weight_rom
-    generic map (
-      word_bits_g => hidden_word_bits_c,
-      words_g     => hidden_c,
-      lanes_g     => lanes_g,
-      lane_g      => lane_g,
-      table_g     => flat(hidden_words_c)
-    )
-    port map (
-      clk      => clk,
-      rst      => rst,
-      in_valid => in_valid,
-      out_word => word
-    );
+  g_weights : if loadable_g generate
+
+    i_bank : entity work.gc_weight_bank
+      generic map (
+        word_bits_g => hidden_word_bits_c,
+        words_g     => hidden_c,
+        lanes_g     => lanes_g,
+        lane_g      => lane_g,
+        section_g   => hidden_section_c,
+        table_g     => flat(hidden_words_c)
+      )
+      port map (
+        clk      => clk,
+        rst      => rst,
+        in_valid => in_valid,
+        out_word => word,
+        memory   => memory
+      );
+
+  else generate
+
+    i_rom : entity work.gc_weight_rom
+      generic map (
+        word_bits_g => hidden_word_bits_c,
+        words_g     => hidden_c,
+        lanes_g     => lanes_g,
+        lane_g      => lane_g,
+        table_g     => flat(hidden_words_c)
+      )
+      port map (
+        clk      => clk,
+        rst      => rst,
+        in_valid => in_valid,
+        out_word => word
+      );
+
+  end generate g_weights;
 
   -- stages 1 and 2: multiply
 

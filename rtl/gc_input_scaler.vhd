@@ -16,11 +16,14 @@ library ieee;
 library work;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
 
 entity gc_input_scaler is
   generic (
     -- One multiplier for all axes, in turn.
-    serial_g : boolean := false
+    serial_g   : boolean := false;
+    -- Whether the constants are those of the port scalars, rather than those of the ROM.
+    loadable_g : boolean := false
   );
   port (
     clk         : in    std_ulogic;
@@ -33,7 +36,9 @@ entity gc_input_scaler is
     -- Normalised positions, axis 1 lowest.
     out_x       : out   signed(inputs_c * operand_bits_c - 1 downto 0);
     -- Count of this axis was outside the trained range.
-    out_clamped : out   std_ulogic_vector(inputs_c - 1 downto 0)
+    out_clamped : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Loaded constants; read where loadable_g.
+    scalars     : in    scalars_t := rom_scalars_c
   );
 end entity gc_input_scaler;
 
@@ -52,21 +57,7 @@ architecture rtl of gc_input_scaler is
 
   end function code;
 
-  -- x of a limit of the trained range.
-
-  function limit_x (
-    edge : integer;
-    axis : natural
-  ) return signed is
-
-    constant scale_c : operand_t := input_scale_c((axis + 1) * operand_bits_c - 1 downto axis * operand_bits_c);
-
-  begin
-
-    return truncate(code(to_signed(edge, count_bits_c)) * scale_c, input_scale_fraction_c, operand_bits_c);
-
-  end function limit_x;
-
+  signal used    : scalars_t;
   signal codes   : signed(inputs_c * operand_bits_c - 1 downto 0);
   -- Axis i: below the range 2 i, above it 2 i + 1.
   signal outside : std_ulogic_vector(2 * inputs_c - 1 downto 0);
@@ -78,14 +69,16 @@ architecture rtl of gc_input_scaler is
 
 begin
 
+  used <= in_use(loadable_g, scalars);
+
   g_axis : for i in 0 to inputs_c - 1 generate
-    constant low_x_c  : operand_t := limit_x(count_low_c(i), i);
-    constant high_x_c : operand_t := limit_x(count_high_c(i), i);
-    signal   count    : signed(count_bits_c - 1 downto 0);
+    constant low_c  : natural := i * operand_bits_c;
+    constant high_c : natural := low_c + operand_bits_c - 1;
+    signal   count  : signed(count_bits_c - 1 downto 0);
   begin
 
     count <= in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
-    codes((i + 1) * operand_bits_c - 1 downto i * operand_bits_c) <= code(count);
+    codes(high_c downto low_c) <= code(count);
 
     -- stage 1: compare; holds until the next count
 
@@ -95,11 +88,11 @@ begin
       if rising_edge(clk) then
         if in_valid = '1' then
           outside(2 * i) <= '0';
-          if count < count_low_c(i) then
+          if count < used.count_low((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
             outside(2 * i) <= '1';
           end if;
           outside(2 * i + 1) <= '0';
-          if count > count_high_c(i) then
+          if count > used.count_high((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
             outside(2 * i + 1) <= '1';
           end if;
         end if;
@@ -119,12 +112,12 @@ begin
                       operand_bits_c);
 
       if far(2 * i) = '1' then
-        x_v := low_x_c;
+        x_v := used.x_low(high_c downto low_c);
       elsif far(2 * i + 1) = '1' then
-        x_v := high_x_c;
+        x_v := used.x_high(high_c downto low_c);
       end if;
 
-      x((i + 1) * operand_bits_c - 1 downto i * operand_bits_c) <= x_v;
+      x(high_c downto low_c) <= x_v;
       clamped(i) <= far(2 * i) or far(2 * i + 1);
 
     end process p_clamp;
@@ -155,9 +148,10 @@ begin
 
     i_scale : entity work.gc_scale
       generic map (
-        values_g  => inputs_c,
-        serial_g  => true,
-        factors_g => input_scale_c
+        values_g   => inputs_c,
+        serial_g   => true,
+        factors_g  => input_scale_c,
+        loadable_g => loadable_g
       )
       port map (
         clk          => clk,
@@ -165,7 +159,8 @@ begin
         in_valid     => valid_1,
         in_values    => codes_1,
         out_valid    => valid,
-        out_products => product
+        out_products => product,
+        factors      => scalars.input_scale
       );
 
     i_far : entity work.gc_delay
@@ -194,8 +189,9 @@ begin
 
     i_scale : entity work.gc_scale
       generic map (
-        values_g  => inputs_c,
-        factors_g => input_scale_c
+        values_g   => inputs_c,
+        factors_g  => input_scale_c,
+        loadable_g => loadable_g
       )
       port map (
         clk          => clk,
@@ -203,7 +199,8 @@ begin
         in_valid     => in_valid,
         in_values    => codes,
         out_valid    => valid,
-        out_products => product
+        out_products => product,
+        factors      => scalars.input_scale
       );
 
     p_clamped : process (clk) is

@@ -15,11 +15,14 @@ library ieee;
 library work;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
 
 entity gc_output_layer is
   generic (
     -- Neurons per clock.
-    lanes_g : positive := 1
+    lanes_g    : positive := 1;
+    -- Whether weights and bias can be replaced, through the ports memory and scalars.
+    loadable_g : boolean := false
   );
   port (
     clk       : in    std_ulogic;
@@ -30,7 +33,10 @@ entity gc_output_layer is
     in_h      : in    signed(lanes_g * operand_bits_c - 1 downto 0);
     out_valid : out   std_ulogic;
     -- Output sums, axis 1 lowest.
-    out_total : out   signed(outputs_c * output_sum_bits_c - 1 downto 0)
+    out_total : out   signed(outputs_c * output_sum_bits_c - 1 downto 0);
+    -- Loaded words and constants; read where loadable_g.
+    memory    : in    memory_t := rom_memory_c;
+    scalars   : in    scalars_t := rom_scalars_c
   );
 end entity gc_output_layer;
 
@@ -55,6 +61,7 @@ architecture rtl of gc_output_layer is
 
   constant terms_c : positive := terms_per_output;
 
+  signal used       : scalars_t;
   signal valid_2    : std_ulogic_vector(lanes_g * outputs_c - 1 downto 0);
   -- Output-major: the terms of one output are neighbours.
   signal terms_2    : signed(outputs_c * terms_c * sum_bits_c - 1 downto 0);
@@ -63,26 +70,51 @@ architecture rtl of gc_output_layer is
 
 begin
 
+  used <= in_use(loadable_g, scalars);
+
   -- stages 1 and 2: multiply
 
   g_lane : for lane in 0 to lanes_g - 1 generate
     signal word : std_ulogic_vector(output_word_bits_c - 1 downto 0);
   begin
 
-    i_rom : entity work.gc_weight_rom
-      generic map (
-        word_bits_g => output_word_bits_c,
-        words_g     => hidden_c,
-        lanes_g     => lanes_g,
-        lane_g      => lane,
-        table_g     => flat(output_words_c)
-      )
-      port map (
-        clk      => clk,
-        rst      => rst,
-        in_valid => in_valid,
-        out_word => word
-      );
+    g_weights : if loadable_g generate
+
+      i_bank : entity work.gc_weight_bank
+        generic map (
+          word_bits_g => output_word_bits_c,
+          words_g     => hidden_c,
+          lanes_g     => lanes_g,
+          lane_g      => lane,
+          section_g   => output_section_c,
+          table_g     => flat(output_words_c)
+        )
+        port map (
+          clk      => clk,
+          rst      => rst,
+          in_valid => in_valid,
+          out_word => word,
+          memory   => memory
+        );
+
+    else generate
+
+      i_rom : entity work.gc_weight_rom
+        generic map (
+          word_bits_g => output_word_bits_c,
+          words_g     => hidden_c,
+          lanes_g     => lanes_g,
+          lane_g      => lane,
+          table_g     => flat(output_words_c)
+        )
+        port map (
+          clk      => clk,
+          rst      => rst,
+          in_valid => in_valid,
+          out_word => word
+        );
+
+    end generate g_weights;
 
     g_output : for k in 0 to outputs_c - 1 generate
       constant term_c    : natural := k * terms_c + lane;
@@ -134,7 +166,7 @@ begin
 
     g_bias : for k in 0 to outputs_c - 1 generate
       terms_2((k + 1) * terms_c * sum_bits_c - 1 downto ((k + 1) * terms_c - 1) * sum_bits_c)
- <= output_bias_c((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
+ <= used.output_bias((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
     end generate g_bias;
 
     out_valid <= tree_valid(0);
@@ -182,7 +214,7 @@ begin
             total(high_c downto low_c) <= sum_v;
           end if;
           if rst = '1' or last = '1' then
-            acc(high_c downto low_c) <= output_bias_c(high_c downto low_c);
+            acc(high_c downto low_c) <= used.output_bias(high_c downto low_c);
           end if;
         end if;
 

@@ -13,11 +13,14 @@ library ieee;
 library work;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
 
 entity gc_output_scaler is
   generic (
     -- One multiplier for all axes, in turn.
-    serial_g : boolean := false
+    serial_g   : boolean := false;
+    -- Whether the constants are those of the port scalars, rather than those of the ROM.
+    loadable_g : boolean := false
   );
   port (
     clk           : in    std_ulogic;
@@ -30,7 +33,9 @@ entity gc_output_scaler is
     -- Forces, mN, axis 1 lowest.
     out_force     : out   signed(outputs_c * force_bits_c - 1 downto 0);
     -- Output sum of this axis did not fit y.
-    out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0)
+    out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0);
+    -- Loaded constants; read where loadable_g.
+    scalars       : in    scalars_t := rom_scalars_c
   );
 end entity gc_output_scaler;
 
@@ -84,9 +89,10 @@ begin
   -- stages 2 and 3: multiply
   i_scale : entity work.gc_scale
     generic map (
-      values_g  => outputs_c,
-      serial_g  => serial_g,
-      factors_g => output_scale_c
+      values_g   => outputs_c,
+      serial_g   => serial_g,
+      factors_g  => output_scale_c,
+      loadable_g => loadable_g
     )
     port map (
       clk          => clk,
@@ -94,7 +100,8 @@ begin
       in_valid     => valid_1,
       in_values    => y_1,
       out_valid    => out_valid,
-      out_products => product
+      out_products => product,
+      factors      => scalars.output_scale
     );
 
   g_force : for i in 0 to outputs_c - 1 generate

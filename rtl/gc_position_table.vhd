@@ -3,8 +3,8 @@
 -- out_value = table(position / pitch) of one axis: cogging, or any other force that repeats with the pitch, with its
 -- harmonics; 256 nodes per pitch, linear between them.
 --
--- phase = (count * phase_step_c) modulo 2**32, in 2**-32 of a pitch: it wraps from node 255 to node 0 and goes on
--- without a jump where the count wraps. It drifts by half of 2**-32 per count at most, the rounding of phase_step_c.
+-- phase = (count * phase step) modulo 2**32, in 2**-32 of a pitch: it wraps from node 255 to node 0 and goes on
+-- without a jump where the count wraps. It drifts by half of 2**-32 per count at most, the rounding of the step.
 -- Formats: 32-bit counts -> 18 bits, mN, rounded. Latency: 7 clocks. Overflow: cannot happen.
 -- Operations: 2 multiplications and 1 sum; a table of zeros is not built.
 
@@ -15,12 +15,15 @@ library ieee;
 library work;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
   use work.gc_compensation_pkg.all;
 
 entity gc_position_table is
   generic (
     -- Which axis, 0 the first.
-    axis_g : natural := 0
+    axis_g     : natural := 0;
+    -- Whether table and phase step can be replaced, through the ports memory and scalars.
+    loadable_g : boolean := false
   );
   port (
     clk       : in    std_ulogic;
@@ -30,24 +33,30 @@ entity gc_position_table is
     -- Encoder counts.
     in_count  : in    signed(count_bits_c - 1 downto 0);
     out_valid : out   std_ulogic;
-    out_value : out   operand_t
+    out_value : out   operand_t;
+    -- Loaded words and constants; read where loadable_g.
+    memory    : in    memory_t := rom_memory_c;
+    scalars   : in    scalars_t := rom_scalars_c
   );
 end entity gc_position_table;
 
 architecture rtl of gc_position_table is
 
+  constant has_table_c : boolean := loadable_g or position_used_c(axis_g) = '1';
+
   signal valid : std_ulogic_vector(1 to 7) := (others => '0');
 
 begin
 
-  g_table : if position_used_c(axis_g) = '1' generate
-    constant step_c : signed(phase_step_bits_c - 1 downto 0) := to_signed(phase_step_c(axis_g), phase_step_bits_c);
-
+  g_table : if has_table_c generate
+    signal used      : scalars_t;
     signal valid_2   : std_ulogic;
     signal product_2 : signed(count_bits_c + phase_step_bits_c - 1 downto 0);
     signal valid_3   : std_ulogic := '0';
     signal phase_3   : unsigned(31 downto 0) := (others => '0');
   begin
+
+    used <= in_use(loadable_g, scalars);
 
     -- stages 1 and 2: multiply
     i_multiply : entity work.gc_multiply
@@ -60,7 +69,7 @@ begin
         rst         => rst,
         in_valid    => in_valid,
         in_a        => in_count,
-        in_b        => step_c,
+        in_b        => used.phase_step((axis_g + 1) * phase_step_bits_c - 1 downto axis_g * phase_step_bits_c),
         out_valid   => valid_2,
         out_product => product_2
       );
@@ -84,8 +93,11 @@ begin
     -- stages 4 to 7: look up
     i_table : entity work.gc_table
       generic map (
-        address_bits_g => 8,
-        table_g        => position_table(axis_g)
+        address_bits_g => position_address_bits_c,
+        table_g        => position_table(axis_g),
+        loadable_g     => loadable_g,
+        axis_g         => axis_g,
+        section_g      => position_section_c
       )
       port map (
         clk         => clk,
@@ -94,12 +106,13 @@ begin
         in_address  => phase_3(31 downto 24),
         in_fraction => phase_3(23 downto 25 - operand_bits_c),
         out_valid   => open,
-        out_value   => out_value
+        out_value   => out_value,
+        memory      => memory
       );
 
   end generate g_table;
 
-  g_no_table : if position_used_c(axis_g) = '0' generate
+  g_no_table : if not has_table_c generate
     out_value <= (others => '0');
   end generate g_no_table;
 

@@ -17,11 +17,13 @@ library work;
 entity gc_scale is
   generic (
     -- Number of values.
-    values_g  : positive := 3;
+    values_g   : positive := 3;
     -- One multiplier for all values, in turn.
-    serial_g  : boolean := false;
+    serial_g   : boolean := false;
     -- The factors, 18 bits each, factor 0 lowest.
-    factors_g : signed
+    factors_g  : signed;
+    -- Whether the factors are those of the port instead.
+    loadable_g : boolean := false
   );
   port (
     clk          : in    std_ulogic;
@@ -30,7 +32,9 @@ entity gc_scale is
     in_valid     : in    std_ulogic;
     in_values    : in    signed(values_g * operand_bits_c - 1 downto 0);
     out_valid    : out   std_ulogic;
-    out_products : out   signed(values_g * 2 * operand_bits_c - 1 downto 0)
+    out_products : out   signed(values_g * 2 * operand_bits_c - 1 downto 0);
+    -- Loaded factors, factor 0 lowest; they change only while no product is under way.
+    factors      : in    signed(values_g * operand_bits_c - 1 downto 0) := (others => '0')
   );
 end entity gc_scale;
 
@@ -38,6 +42,21 @@ architecture rtl of gc_scale is
 
   constant product_bits_c : positive := 2 * operand_bits_c;
   constant factors_c      : signed(values_g * operand_bits_c - 1 downto 0) := factors_g;
+
+  -- Which factors are used.
+
+  function used (
+    loaded : signed
+  ) return signed is
+  begin
+
+    if loadable_g then
+      return loaded;
+    end if;
+
+    return factors_c;
+
+  end function used;
 
 begin
 
@@ -57,7 +76,7 @@ begin
           rst         => rst,
           in_valid    => in_valid,
           in_a        => in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
-          in_b        => factors_c((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
+          in_b        => used(factors)((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
           out_valid   => valid(i),
           out_product => out_products((i + 1) * product_bits_c - 1 downto i * product_bits_c)
         );
@@ -102,13 +121,13 @@ begin
     begin
 
       value <= in_values(operand_bits_c - 1 downto 0);
-      factor <= factors_c(operand_bits_c - 1 downto 0);
+      factor <= used(factors)(operand_bits_c - 1 downto 0);
 
       for i in 1 to last_c loop
 
         if turn(i) = '1' then
           value <= in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
-          factor <= factors_c((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
+          factor <= used(factors)((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
         end if;
 
       end loop;

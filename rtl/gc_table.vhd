@@ -12,13 +12,18 @@ library ieee;
 
 library work;
   use work.gc_fixed_pkg.all;
+  use work.gc_image_pkg.all;
 
 entity gc_table is
   generic (
     -- Width of an address, bits.
     address_bits_g : positive := 8;
     -- The table, 2**address_bits_g words, word 0 lowest.
-    table_g        : std_ulogic_vector
+    table_g        : std_ulogic_vector;
+    -- Whether the words can be replaced, through the port memory; axis and section of theirs.
+    loadable_g     : boolean := false;
+    axis_g         : natural := 0;
+    section_g      : natural := 0
   );
   port (
     clk         : in    std_ulogic;
@@ -29,7 +34,9 @@ entity gc_table is
     -- Place between the node and the next one.
     in_fraction : in    unsigned(operand_bits_c - 2 downto 0);
     out_valid   : out   std_ulogic;
-    out_value   : out   operand_t
+    out_value   : out   operand_t;
+    -- Loaded words; read where loadable_g.
+    memory      : in    memory_t := rom_memory_c
   );
 end entity gc_table;
 
@@ -63,7 +70,8 @@ architecture rtl of gc_table is
   constant rom_c : words_t := table_words;
 
   signal valid_1    : std_ulogic := '0';
-  signal word_1     : word_t := (others => '0');
+  signal rom_1      : word_t := (others => '0');
+  signal word_1     : word_t;
   signal fraction_1 : unsigned(fraction_bits_c - 1 downto 0) := (others => '0');
   signal value_2    : operand_t;
   signal value_3    : operand_t;
@@ -86,7 +94,7 @@ begin
     if rising_edge(clk) then
       valid_1 <= in_valid;
       if in_valid = '1' then
-        word_1 <= rom_c(to_integer(in_address));
+        rom_1 <= rom_c(to_integer(in_address));
         fraction_1 <= in_fraction;
       end if;
       if rst = '1' then
@@ -95,6 +103,34 @@ begin
     end if;
 
   end process p_rom;
+
+  g_word : if loadable_g generate
+    signal write  : std_ulogic;
+    signal bank_1 : word_t;
+  begin
+
+    write <= memory.write(section_g) when memory.index(index_bits_c - 1 downto address_bits_g) = axis_g else '0';
+
+    i_ram : entity work.gc_bank_ram
+      generic map (
+        word_bits_g    => word_bits_c,
+        address_bits_g => address_bits_g
+      )
+      port map (
+        clk           => clk,
+        in_write      => write,
+        in_write_bank => memory.write_bank,
+        in_write_addr => memory.index(address_bits_g - 1 downto 0),
+        in_word       => field(memory.data, word_bits_c),
+        in_bank       => memory.bank(1),
+        in_addr       => in_address,
+        out_word      => bank_1
+      );
+
+    word_1 <= rom_1 when memory.bank = "00" else bank_1;
+  else generate
+    word_1 <= rom_1;
+  end generate g_word;
 
   -- stages 2 and 3: multiply
   i_multiply : entity work.gc_multiply

@@ -12,6 +12,7 @@ library ieee;
 
 library work;
   use work.gc_network_pkg.all;
+  use work.gc_image_pkg.all;
 
 entity gc_top is
   generic (
@@ -21,7 +22,7 @@ entity gc_top is
     filter_samples_g : natural := 4;
     -- Clocks without an edge that count as standstill.
     speed_timeout_g  : positive := 10_000_000;
-    -- Whether all constants can be replaced at run time; see gc_loader.
+    -- Whether all constants can be replaced at run time; see gc_loader and gc_bank_switch.
     loadable_g       : boolean := false
   );
   port (
@@ -110,7 +111,12 @@ architecture rtl of gc_top is
   signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
   signal current_valid : std_ulogic;
   signal valid         : std_ulogic := '0';
-  signal load_bad      : std_ulogic := '0';
+  -- Constants in use; while a swap of them waits no inference begins, after it the core is reset.
+  signal memory        : memory_t := rom_memory_c;
+  signal scalars       : scalars_t := rom_scalars_c;
+  signal hold          : std_ulogic;
+  signal restart       : std_ulogic;
+  signal core_rst      : std_ulogic;
 
 begin
 
@@ -161,23 +167,27 @@ begin
 
   end process p_counts_valid;
 
-  start <= in_valid and counts_valid;
-  in_ready <= core_ready and counts_valid;
+  start <= in_valid and counts_valid and not hold;
+  in_ready <= core_ready and counts_valid and not hold;
+  core_rst <= rst or restart;
 
   i_core : entity work.gc_core
     generic map (
-      lanes_g => lanes_g
+      lanes_g    => lanes_g,
+      loadable_g => loadable_g
     )
     port map (
       clk           => clk,
-      rst           => rst,
+      rst           => core_rst,
       in_valid      => start,
       in_ready      => core_ready,
       in_count      => count,
       out_valid     => core_valid,
       out_force     => network_mn,
       out_clamped   => clamped,
-      out_saturated => saturated
+      out_saturated => saturated,
+      memory        => memory,
+      scalars       => scalars
     );
 
   flags <= clamped & saturated;
@@ -194,6 +204,9 @@ begin
     );
 
   i_compensator : entity work.gc_compensator
+    generic map (
+      loadable_g => loadable_g
+    )
     port map (
       clk           => clk,
       rst           => rst,
@@ -203,17 +216,23 @@ begin
       in_period     => period,
       out_valid     => force_valid,
       out_force     => force_mn,
-      out_saturated => unfit
+      out_saturated => unfit,
+      memory        => memory,
+      scalars       => scalars
     );
 
   i_current : entity work.gc_current_scaler
+    generic map (
+      loadable_g => loadable_g
+    )
     port map (
       clk         => clk,
       rst         => rst,
       in_valid    => force_valid,
       in_force    => force_mn,
       out_valid   => current_valid,
-      out_current => current
+      out_current => current,
+      scalars     => scalars
     );
 
   result <= std_ulogic_vector(force_mn) & flags_waited(flags_waited'high downto outputs_c)
@@ -253,25 +272,84 @@ begin
 
   end process p_hold;
 
-  -- Nothing can be loaded: every commit is refused.
-  p_refuse : process (clk) is
+  g_load : if loadable_g generate
+    signal accept         : std_ulogic;
+    signal bank           : std_ulogic_vector(1 downto 0);
+    signal loaded_bank    : std_ulogic_vector(1 downto 0);
+    signal loaded_scalars : scalars_t;
+    signal loaded_crc     : std_ulogic_vector(31 downto 0);
+    signal accepted       : std_ulogic;
   begin
 
-    if rising_edge(clk) then
-      if load_commit = '1' then
-        load_bad <= '1';
-      end if;
-      if load_begin = '1' or rst = '1' then
-        load_bad <= '0';
-      end if;
-    end if;
+    i_loader : entity work.gc_loader
+      port map (
+        clk         => clk,
+        rst         => rst,
+        load_begin  => load_begin,
+        load_valid  => load_valid,
+        load_word   => load_word,
+        load_commit => load_commit,
+        load_crc    => load_crc,
+        in_bank     => bank,
+        memory      => memory,
+        out_accept  => accept,
+        out_bank    => loaded_bank,
+        out_scalars => loaded_scalars,
+        out_crc     => loaded_crc,
+        sts_bad     => sts_load_bad
+      );
 
-  end process p_refuse;
+    accepted <= start and core_ready;
 
-  sts_load_bad <= load_bad;
-  sts_load_waiting <= '0';
-  sts_bank <= "00";
-  sts_bank_crc <= (others => '0');
+    i_bank_switch : entity work.gc_bank_switch
+      port map (
+        clk         => clk,
+        rst         => rst,
+        in_accept   => accept,
+        in_bank     => loaded_bank,
+        in_scalars  => loaded_scalars,
+        in_crc      => loaded_crc,
+        load_rom    => load_rom,
+        load_begin  => load_begin,
+        in_start    => accepted,
+        in_done     => current_valid,
+        out_hold    => hold,
+        out_restart => restart,
+        out_bank    => bank,
+        out_scalars => scalars,
+        sts_waiting => sts_load_waiting,
+        sts_crc     => sts_bank_crc
+      );
+
+    sts_bank <= bank;
+  else generate
+    signal bad : std_ulogic := '0';
+  begin
+
+    -- Every commit is refused.
+    p_refuse : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        if load_commit = '1' then
+          bad <= '1';
+        end if;
+        if load_begin = '1' or rst = '1' then
+          bad <= '0';
+        end if;
+      end if;
+
+    end process p_refuse;
+
+    memory <= rom_memory_c;
+    scalars <= rom_scalars_c;
+    hold <= '0';
+    restart <= '0';
+    sts_load_bad <= bad;
+    sts_load_waiting <= '0';
+    sts_bank <= "00";
+    sts_bank_crc <= (others => '0');
+  end generate g_load;
 
   out_valid <= valid;
   sts_count <= count;

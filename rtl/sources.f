@@ -7,12 +7,15 @@ gc_quad_decoder.vhd
 gc_fixed_pkg.vhd
 generated/gc_network_pkg.vhd
 generated/gc_compensation_pkg.vhd
+gc_image_pkg.vhd
 gc_multiply.vhd
 gc_delay.vhd
 gc_ring.vhd
 gc_copy.vhd
 gc_adder_tree.vhd
 gc_weight_rom.vhd
+gc_bank_ram.vhd
+gc_weight_bank.vhd
 gc_scale.vhd
 gc_input_scaler.vhd
 gc_hidden_lane.vhd
@@ -33,6 +36,9 @@ gc_brake_sequencer.vhd
 gc_safety.vhd
 gc_drive.vhd
 gc_tick.vhd
+gc_crc_pkg.vhd
+gc_loader.vhd
+gc_bank_switch.vhd
 gc_top.vhd
 registers/reg_utils.vhd
 registers/gc_registers_pkg.vhd

@@ -11,7 +11,8 @@ library work;
 
 entity gc_top_bench is
   generic (
-    lanes_g : positive := 4
+    lanes_g    : positive := 4;
+    loadable_g : boolean := false
   );
   port (
     clk              : in    std_ulogic;
@@ -34,7 +35,17 @@ entity gc_top_bench is
     sts_speed_period : out   signed(inputs_c * 32 - 1 downto 0);
     sts_referenced   : out   std_ulogic_vector(inputs_c - 1 downto 0);
     sts_illegal      : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    sts_glitch       : out   std_ulogic_vector(inputs_c - 1 downto 0)
+    sts_glitch       : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    load_begin       : in    std_ulogic := '0';
+    load_valid       : in    std_ulogic := '0';
+    load_word        : in    std_ulogic_vector(31 downto 0) := (others => '0');
+    load_commit      : in    std_ulogic := '0';
+    load_crc         : in    std_ulogic_vector(31 downto 0) := (others => '0');
+    load_rom         : in    std_ulogic := '0';
+    sts_load_bad     : out   std_ulogic;
+    sts_load_waiting : out   std_ulogic;
+    sts_bank         : out   std_ulogic_vector(1 downto 0);
+    sts_bank_crc     : out   std_ulogic_vector(31 downto 0)
   );
 end entity gc_top_bench;
 
@@ -68,7 +79,8 @@ begin
 
   i_top : entity work.gc_top
     generic map (
-      lanes_g => lanes_g
+      lanes_g    => lanes_g,
+      loadable_g => loadable_g
     )
     port map (
       clk                => clk,
@@ -93,7 +105,17 @@ begin
       sts_speed_zero     => open,
       sts_referenced     => sts_referenced,
       sts_illegal        => sts_illegal,
-      sts_glitch         => sts_glitch
+      sts_glitch         => sts_glitch,
+      load_begin         => load_begin,
+      load_valid         => load_valid,
+      load_word          => load_word,
+      load_commit        => load_commit,
+      load_crc           => load_crc,
+      load_rom           => load_rom,
+      sts_load_bad       => sts_load_bad,
+      sts_load_waiting   => sts_load_waiting,
+      sts_bank           => sts_bank,
+      sts_bank_crc       => sts_bank_crc
     );
 
 end architecture sim;

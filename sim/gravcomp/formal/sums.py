@@ -48,7 +48,9 @@ def hidden_sums(fixed: FixedNetwork, lanes: int, lane: int = 0) -> str:
     ]
     tree = Tree("i_sum", products, [int(bias) for bias in fixed.hidden_bias[neurons]])
     width = fixed.hidden_sum_bits
-    return _checker("hidden_sums", "gc_hidden_lane", "in_x", fixed.n_axes, width, int(lanes == 1), ["i_rom"], tree)
+    return _checker(
+        "hidden_sums", "gc_hidden_lane", "in_x", fixed.n_axes, width, int(lanes == 1), ["g_weights_i_rom"], tree
+    )
 
 
 def output_sums(fixed: FixedNetwork, lanes: int, k: int) -> str:
@@ -69,7 +71,7 @@ def output_sums(fixed: FixedNetwork, lanes: int, k: int) -> str:
         {} if len(bias) == 1 else {"bias_term": False, "accumulator_bits": bits * n, "accumulator_low": bits * k}
     )
     tree = Tree(f"g_tree_n{k + 1}_i_tree", products, bias, **accumulates)
-    roms = [f"g_lane_n{lane + 1}_i_rom" for lane in range(lanes)]
+    roms = [f"g_lane_n{lane + 1}_g_weights_i_rom" for lane in range(lanes)]
     term_clocks = int(lanes in (1, fixed.n_hidden))
     return _checker("output_sums", "gc_output_layer", "in_h", lanes, bits, term_clocks, roms, tree)
 

@@ -77,9 +77,12 @@ def synthesise(
 
 
 def _ports(read: Sequence[str], top: str, out: Path) -> dict[str, tuple[str, int]]:
-    """Direction and width of each port of module top."""
-    run_passes([*read, f"hierarchy -check -top {top}", "proc", "write_json ports.json"], out / "ports.log")
-    ports = json.loads((out / "ports.json").read_text())["modules"][top]["ports"]
+    """Direction and width of each port of module top that a cell uses or drives."""
+    passes = ["proc", "flatten", "opt", "write_json ports.json"]
+    run_passes([*read, f"hierarchy -check -top {top}", *passes], out / "ports.log")
+    module = json.loads((out / "ports.json").read_text())["modules"][top]
+    in_use = {bit for cell in module["cells"].values() for bits in cell["connections"].values() for bit in bits}
+    ports = {name: port for name, port in module["ports"].items() if in_use.intersection(port["bits"])}
     return {name: (port["direction"], len(port["bits"])) for name, port in ports.items()}
 
 

@@ -1,0 +1,153 @@
+-- SPDX-License-Identifier: MIT
+--
+-- gc_weight_rom whose words can be replaced: out_word is that of the ROM or of one of two banks, as memory.bank says.
+--
+-- The bank that is not in use is written record by record, each lane taking its own. memory.bank may change while
+-- out_word is word 0, as it is after every lane's last word. Latency: as gc_weight_rom; after a change of memory.bank
+-- word 0 is there after 1 clock.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_fixed_pkg.all;
+  use work.gc_image_pkg.all;
+
+entity gc_weight_bank is
+  generic (
+    -- Width of a word, bits.
+    word_bits_g : positive := 18;
+    -- Words of the table, over all lanes.
+    words_g     : positive := 20;
+    -- Lanes, and which of them this is.
+    lanes_g     : positive := 1;
+    lane_g      : natural := 0;
+    -- Section of the image.
+    section_g   : natural := 0;
+    -- The table in ROM, word 0 lowest.
+    table_g     : std_ulogic_vector
+  );
+  port (
+    clk      : in    std_ulogic;
+    -- Synchronous, active high; back to word 0.
+    rst      : in    std_ulogic;
+    in_valid : in    std_ulogic;
+    out_word : out   std_ulogic_vector(word_bits_g - 1 downto 0);
+    -- Bank in use, and the words to write.
+    memory   : in    memory_t
+  );
+end entity gc_weight_bank;
+
+architecture rtl of gc_weight_bank is
+
+  constant steps_c : positive := words_g / lanes_g;
+
+  -- At least one bit: a lane of one word has its address too.
+
+  function address_bits return positive is
+  begin
+
+    if steps_c = 1 then
+      return 1;
+    end if;
+
+    return tree_depth(steps_c);
+
+  end function address_bits;
+
+  constant address_bits_c : positive := address_bits;
+
+  subtype address_t is unsigned(address_bits_c - 1 downto 0);
+
+  signal rom_word     : std_ulogic_vector(word_bits_g - 1 downto 0);
+  signal bank_word    : std_ulogic_vector(word_bits_g - 1 downto 0);
+  signal is_mine      : std_ulogic;
+  signal write        : std_ulogic;
+  signal write_addr   : address_t;
+  signal address      : address_t := (others => '0');
+  signal next_address : address_t;
+
+begin
+
+  i_rom : entity work.gc_weight_rom
+    generic map (
+      word_bits_g => word_bits_g,
+      words_g     => words_g,
+      lanes_g     => lanes_g,
+      lane_g      => lane_g,
+      table_g     => table_g
+    )
+    port map (
+      clk      => clk,
+      rst      => rst,
+      in_valid => in_valid,
+      out_word => rom_word
+    );
+
+  -- Record lane_g + k * lanes_g of the section is word k of this lane.
+  p_write : process (all) is
+  begin
+
+    is_mine <= '0';
+    write_addr <= (others => '0');
+
+    for k in 0 to steps_c - 1 loop
+
+      if memory.index = lane_g + k * lanes_g then
+        is_mine <= '1';
+        write_addr <= to_unsigned(k, address_bits_c);
+      end if;
+
+    end loop;
+
+  end process p_write;
+
+  write <= memory.write(section_g) and is_mine;
+
+  p_next : process (all) is
+  begin
+
+    next_address <= address;
+
+    if in_valid = '1' then
+      next_address <= address + 1;
+      if address = steps_c - 1 then
+        next_address <= (others => '0');
+      end if;
+    end if;
+
+    if rst = '1' then
+      next_address <= (others => '0');
+    end if;
+
+  end process p_next;
+
+  p_address : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      address <= next_address;
+    end if;
+
+  end process p_address;
+
+  i_ram : entity work.gc_bank_ram
+    generic map (
+      word_bits_g    => word_bits_g,
+      address_bits_g => address_bits_c
+    )
+    port map (
+      clk           => clk,
+      in_write      => write,
+      in_write_bank => memory.write_bank,
+      in_write_addr => write_addr,
+      in_word       => field(memory.data, word_bits_g),
+      in_bank       => memory.bank(1),
+      in_addr       => next_address,
+      out_word      => bank_word
+    );
+
+  out_word <= rom_word when memory.bank = "00" else bank_word;
+
+end architecture rtl;
