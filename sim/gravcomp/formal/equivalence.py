@@ -6,29 +6,37 @@ Registers are matched by name; every pair of matched signals is then proven equa
 from pathlib import Path
 
 from gravcomp.errors import InputError
-from gravcomp.synthesis.yosys import run_passes
+from gravcomp.synthesis.yosys import run_passes, synthesise
 
-_READ = (
-    "read_verilog {file}; hierarchy -check -top {top}; proc; flatten; opt_clean; opt -full; wreduce; opt_clean -purge; "
-    "memory; opt_clean -purge"
-)
+# By target, passes on the netlist: its cells become what Yosys' own models are; GHDL's names of intermediate values,
+# some bits of which have lost their driver, are no longer matched.
+_TARGETS = {
+    "gates": ["hierarchy -check -top {top}", "rename -hide w:n*_o w:*.n*_o"],
+    "ecp5": ["read_verilog -overwrite +/lattice/cells_sim_ecp5.v", "hierarchy -check -top {top}"],
+}
+# All registers become plain ones with logic before them.
+_LOWER = "proc; flatten; opt_clean; opt -full; memory; dffunmap; opt_clean"
 _COMPARE = (
     "design -copy-from gold gold; design -copy-from gate gate; equiv_make gold gate equiv; hierarchy -top equiv; "
-    "equiv_struct -icells; equiv_simple -undef -seq 3; equiv_induct -undef -seq 8; equiv_status -assert"
+    "equiv_simple -undef -seq 3; equiv_induct -undef -seq 8; equiv_status -assert"
 )
 
 
-def netlist_equals(rtl: Path, source: Path, top: str, out: Path) -> bool:
-    """Whether the gate netlist of module top in one Verilog file (source) is proven equal to top in another (rtl).
+def netlist_equals(rtl: Path, source: Path, top: str, target: str, out: Path) -> bool:
+    """Whether the netlist of module top in one Verilog file (source) is proven equal to top in another (rtl).
 
-    False as well when the proof does not converge. out: folder for the log. Raises InputError when Yosys fails.
+    target: gates, of Yosys' own kind, or ecp5. False as well when the proof does not converge. out: folder of
+    intermediate files. Raises InputError when Yosys fails.
     """
-    out.mkdir(parents=True, exist_ok=True)
-    gold, gate = (_READ.format(file=file.resolve(), top=top) for file in (rtl, source))
-    script = f"{gold}; rename {top} gold; design -stash gold; {gate}; synth -flatten -top {top}; rename {top} gate"
-    passes = f"{script}; design -stash gate; {_COMPARE}".split("; ")
+    netlist = synthesise(source, top, target, out).verilog
+    read = {"gold": [f"read_verilog {rtl.resolve()}", "hierarchy -check -top {top}"]}
+    read["gate"] = [f"read_verilog {netlist.resolve()}", *_TARGETS[target]]
+    passes = []
+    for name, reading in read.items():
+        passes += [line.format(top=top) for line in reading]
+        passes += [*_LOWER.split("; "), f"rename {top} {name}", f"design -stash {name}"]
     try:
-        run_passes(passes, out / "equivalence.log")
+        run_passes([*passes, *_COMPARE.split("; ")], out / "equivalence.log")
     except InputError as stop:
         if "unproven $equiv cells" not in str(stop):
             raise
