@@ -2,7 +2,8 @@
 --
 -- Two banks of words, one to write, one to read: a simple dual-port memory, inferred, with a registered output.
 --
--- Its content is undefined until it is written. Latency: 1 clock, reading in every clock.
+-- Its content is undefined until it is written. What is read must not be written in the same clock: synthesis need not
+-- care (no_rw_check; for Yosys by name, as GHDL passes no attributes on). Latency: 1 clock, reading in every clock.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -34,6 +35,11 @@ architecture rtl of gc_bank_ram is
   type words_t is array (0 to 2 ** (address_bits_g + 1) - 1) of word_t;
 
   signal ram : words_t;
+
+  attribute ramstyle     : string;
+  attribute syn_ramstyle : string;
+  attribute ramstyle of ram     : signal is "no_rw_check";
+  attribute syn_ramstyle of ram : signal is "no_rw_check";
 
 begin
 

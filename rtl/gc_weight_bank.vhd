@@ -2,9 +2,9 @@
 --
 -- gc_weight_rom whose words can be replaced: out_word is that of the ROM or of one of two banks, as memory.bank says.
 --
--- The bank that is not in use is written record by record, each lane taking its own. memory.bank may change while
--- out_word is word 0, as it is after every lane's last word. Latency: as gc_weight_rom; after a change of memory.bank
--- word 0 is there after 1 clock.
+-- The bank that is not in use is written record by record, each lane taking its own. ROM and memory are one word
+-- ahead, so that a slow memory has a clock of its own. Latency: as gc_weight_rom, but word 0 is there 2 clocks after
+-- rst, which must also follow a change of memory.bank.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -60,8 +60,12 @@ architecture rtl of gc_weight_bank is
 
   subtype address_t is unsigned(address_bits_c - 1 downto 0);
 
+  -- Word 0 has to be brought forward.
+  signal first        : std_ulogic := '1';
+  signal advance      : std_ulogic;
   signal rom_word     : std_ulogic_vector(word_bits_g - 1 downto 0);
   signal bank_word    : std_ulogic_vector(word_bits_g - 1 downto 0);
+  signal word         : std_ulogic_vector(word_bits_g - 1 downto 0);
   signal is_mine      : std_ulogic;
   signal write        : std_ulogic;
   signal write_addr   : address_t;
@@ -69,6 +73,8 @@ architecture rtl of gc_weight_bank is
   signal next_address : address_t;
 
 begin
+
+  advance <= in_valid or first;
 
   i_rom : entity work.gc_weight_rom
     generic map (
@@ -81,7 +87,7 @@ begin
     port map (
       clk      => clk,
       rst      => rst,
-      in_valid => in_valid,
+      in_valid => advance,
       out_word => rom_word
     );
 
@@ -110,7 +116,7 @@ begin
 
     next_address <= address;
 
-    if in_valid = '1' then
+    if advance = '1' then
       next_address <= address + 1;
       if address = steps_c - 1 then
         next_address <= (others => '0');
@@ -148,6 +154,18 @@ begin
       out_word      => bank_word
     );
 
-  out_word <= rom_word when memory.bank = "00" else bank_word;
+  p_word : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      if advance = '1' then
+        word <= rom_word when memory.bank = "00" else bank_word;
+      end if;
+      first <= rst;
+    end if;
+
+  end process p_word;
+
+  out_word <= word;
 
 end architecture rtl;

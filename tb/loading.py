@@ -20,6 +20,7 @@ from test_rtl_top import CLOCKS_BEHIND_CORE, Bench
 
 SPHEIRO = ROOT / "weights" / "spheiro"
 ROM, FIRST, SECOND = 0, 1, 2  # what sts_bank says
+LOAD_PORTS = ("load_begin", "load_valid", "load_word", "load_commit", "load_crc")
 # Friction and cogging that are nowhere those of compensated.CSV.
 OTHER_CSV = """\
 axis,name,value
@@ -164,7 +165,7 @@ class LoadBench(Bench):
 async def moving(dut, network: FixedNetwork) -> LoadBench:
     """A bench whose axes move across the end of that network's trained range."""
     bench = LoadBench(dut)
-    for name in ("load_begin", "load_valid", "load_word", "load_commit", "load_crc", "load_rom"):
+    for name in (*LOAD_PORTS, "load_rom"):
         getattr(dut, name).value = 0
     await bench.start()
     bench.is_recording = True

@@ -116,3 +116,9 @@ async def reset_in_mid_stream(dut):
 @pytest.mark.parametrize("lanes", LANES)
 def test_core_equals_model_at_its_interval_and_latency(lanes):
     simulate("gc_core", "test_rtl_core", generics={"lanes_g": lanes})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_loadable_core_with_its_rom_has_the_same_interval_and_latency(lanes):
+    simulate("gc_core", "test_rtl_core", generics={"lanes_g": lanes, "loadable_g": "true"})

@@ -20,8 +20,9 @@ TARGETS = {
 # The primitives that a mapping file may use.
 PRIMITIVES = {"ecp5": ["+/lattice/cells_bb_ecp5.v"], "xilinx": ["+/xilinx/cells_sim.v"]}
 
-# GHDL drops the attribute that keeps the copies of gc_copy apart.
-_KEEP_COPIES = ["setattr -set keep 1 gc_copy*/t:$dff"]
+# GHDL drops attributes: that which keeps the copies of gc_copy apart, and that which tells that gc_bank_ram never reads
+# what it writes in the same clock.
+_ATTRIBUTES = ["setattr -set keep 1 gc_copy*/t:$dff", "setattr -set no_rw_check 1 gc_bank_ram*/m:*"]
 
 # Yosys ends the process on an error, so it runs in one of its own.
 _RUNNER = """
@@ -68,7 +69,7 @@ def synthesise(
         wrapper.write_text(_register_ports(top, _ports(read, top, out)))
         read, top = [*read, f"read_verilog {wrapper.resolve()}"], "registered"
     netlist, mapped, cells = (out / f"{target}.{name}" for name in ("json", "v", "stat.json"))
-    passes = [*read, f"hierarchy -check -top {top}", "proc -latches error", *_KEEP_COPIES, *TARGETS[target]]
+    passes = [*read, f"hierarchy -check -top {top}", "proc -latches error", *_ATTRIBUTES, *TARGETS[target]]
     passes += [f"tee -q -o {cells.name} stat -json"]
     passes += [f"write_json {netlist.name}", f"write_verilog -noattr {mapped.name}"]
     run_passes([line.format(top=top) for line in passes], out / "yosys.log")
