@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Home the robot, release its brakes, print positions, forces and currents of a number of results.
+ * Load an image of `gravcomp image`, home the robot, release its brakes, print positions, forces and currents of a
+ * number of results.
  *
- * On a processor with the registers at BASE:   run_example(&memory_bus, 100);
+ * On a processor with the registers at BASE:   example FILE, or without a file for the weights of the ROM.
  */
 #include <stdio.h>
 
@@ -48,7 +49,8 @@ static int fail(const gravcomp_bus *bus, const char *what)
     return 1;
 }
 
-int run_example(const gravcomp_bus *bus, int n_results)
+/* n_words = 0: without an image. */
+int run_example(const gravcomp_bus *bus, const uint8_t *image, uint32_t n_words, int n_results)
 {
     gravcomp_identity identity;
     gravcomp_settings settings = {
@@ -73,6 +75,14 @@ int run_example(const gravcomp_bus *bus, int n_results)
            (unsigned long)identity.clock_hz, (unsigned long)identity.weights_hash[0]);
     settings.expected_weights = identity.weights_hash[0]; /* better: the constant that you have tested */
     gravcomp_configure(bus, &identity, &settings);
+    if (n_words > 0) {
+        uint32_t crc = gravcomp_crc32(image, n_words); /* better: the one that you have tested */
+
+        if (gravcomp_load(bus, image, n_words, crc, POLLS) != GRAVCOMP_OK) {
+            return fail(bus, "the image is not taken");
+        }
+        printf("image of %lu words, CRC-32 %08lx\n", (unsigned long)n_words, (unsigned long)gravcomp_bank_crc(bus));
+    }
     if (gravcomp_home(bus, 7) != GRAVCOMP_OK || gravcomp_tick(bus, true) != GRAVCOMP_OK) {
         return fail(bus, "the core's clock stands still");
     }
@@ -92,3 +102,25 @@ int run_example(const gravcomp_bus *bus, int n_results)
     }
     return gravcomp_stop(bus) == GRAVCOMP_OK ? 0 : 1;
 }
+
+#ifdef BASE
+#define MOST_WORDS 16384
+
+int main(int argc, char **argv)
+{
+    static uint8_t image[4 * MOST_WORDS];
+    size_t n_bytes = 0;
+
+    if (argc > 1) {
+        FILE *file = fopen(argv[1], "rb");
+
+        if (file == NULL) {
+            printf("%s: cannot be read\n", argv[1]);
+            return 1;
+        }
+        n_bytes = fread(image, 1, sizeof image, file);
+        fclose(file);
+    }
+    return run_example(&memory_bus, image, (uint32_t)(n_bytes / 4), 100);
+}
+#endif

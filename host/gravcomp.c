@@ -9,6 +9,9 @@
 #define FIELD(word, name) (((word) & GC_REGISTERS__##name##_bm) >> GC_REGISTERS__##name##_bp)
 #define AXES(word, name) ((uint8_t)FIELD(word, AXIS_FLAGS__##name))
 
+#define LOAD_KEY 0x4B455953u
+#define WORDS_PER_KICK 64u
+
 static uint32_t read_word(const gravcomp_bus *bus, uint32_t offset)
 {
     return bus->read(bus->context, offset);
@@ -243,6 +246,80 @@ void gravcomp_read(const gravcomp_bus *bus, gravcomp_state *state)
     state->fault = read_word(bus, OFFSET(fault));
     state->first_cause = read_word(bus, OFFSET(first_cause));
     read_axes(bus, OFFSET(first_position), state->first_position);
+}
+
+uint32_t gravcomp_crc32(const uint8_t *image, uint32_t n_words)
+{
+    uint32_t crc = UINT32_MAX;
+
+    for (uint32_t i = 0; i < 4 * n_words; i++) {
+        crc ^= image[i];
+        for (int bit = 0; bit < 8; bit++) {
+            crc = crc >> 1 ^ (crc & 1 ? 0xEDB88320u : 0);
+        }
+    }
+    return ~crc;
+}
+
+static void send_image(const gravcomp_bus *bus, const uint8_t *image, uint32_t n_words)
+{
+    write_word(bus, OFFSET(load_command), GC_REGISTERS__LOAD_COMMAND__BEGIN_IMAGE_bm);
+    for (uint32_t i = 0; i < n_words; i++) {
+        const uint8_t *bytes = image + 4 * i;
+
+        if (i % WORDS_PER_KICK == 0) {
+            gravcomp_kick(bus);
+        }
+        write_word(bus, OFFSET(load_word),
+                   (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24);
+    }
+}
+
+gravcomp_result gravcomp_load(const gravcomp_bus *bus, const uint8_t *image, uint32_t n_words, uint32_t crc,
+                              uint32_t polls)
+{
+    uint32_t status = read_word(bus, OFFSET(load_status));
+    uint32_t bank = 0;
+
+    if (!FIELD(status, LOAD_STATUS__LOADABLE)) {
+        return GRAVCOMP_NOT_LOADABLE;
+    }
+    write_word(bus, OFFSET(load_unlock), LOAD_KEY);
+    send_image(bus, image, n_words);
+    bank = FIELD(read_word(bus, OFFSET(load_status)), LOAD_STATUS__BANK);
+    write_word(bus, OFFSET(load_crc), crc);
+    write_word(bus, OFFSET(load_command), GC_REGISTERS__LOAD_COMMAND__COMMIT_bm); /* locks, too */
+    for (uint32_t i = 0; i < polls; i++) {
+        status = read_word(bus, OFFSET(load_status));
+        if (FIELD(status, LOAD_STATUS__BANK) != bank) {
+            return GRAVCOMP_OK;
+        }
+        if (FIELD(status, LOAD_STATUS__BAD)) {
+            return GRAVCOMP_REFUSED;
+        }
+    }
+    return GRAVCOMP_TIMEOUT;
+}
+
+gravcomp_result gravcomp_use_rom(const gravcomp_bus *bus, uint32_t polls)
+{
+    write_word(bus, OFFSET(load_unlock), LOAD_KEY);
+    write_word(bus, OFFSET(load_command), GC_REGISTERS__LOAD_COMMAND__BEGIN_IMAGE_bm); /* forgets a refused image */
+    write_word(bus, OFFSET(load_command), GC_REGISTERS__LOAD_COMMAND__USE_ROM_bm);
+    write_word(bus, OFFSET(load_unlock), 0);
+    for (uint32_t i = 0; i < polls; i++) {
+        uint32_t status = read_word(bus, OFFSET(load_status));
+
+        if (!FIELD(status, LOAD_STATUS__BANK) && !FIELD(status, LOAD_STATUS__BAD)) {
+            return GRAVCOMP_OK;
+        }
+    }
+    return GRAVCOMP_TIMEOUT;
+}
+
+uint32_t gravcomp_bank_crc(const gravcomp_bus *bus)
+{
+    return read_word(bus, OFFSET(bank_crc));
 }
 
 void gravcomp_interrupt_on(const gravcomp_bus *bus, uint32_t events)

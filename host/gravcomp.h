@@ -24,7 +24,9 @@ typedef enum {
     GRAVCOMP_NOT_FOUND,     /* no gravcomp core at this address */
     GRAVCOMP_WRONG_VERSION, /* registers of another version than this driver's */
     GRAVCOMP_TIMEOUT,       /* not within the polls allowed */
-    GRAVCOMP_FAULT          /* stopped by a fault, see gravcomp_state.fault */
+    GRAVCOMP_FAULT,         /* stopped by a fault, see gravcomp_state.fault */
+    GRAVCOMP_REFUSED,       /* the core refuses the image: its length or its CRC is wrong */
+    GRAVCOMP_NOT_LOADABLE   /* the core was built without banks */
 } gravcomp_result;
 
 /* What does not change. */
@@ -126,6 +128,21 @@ void gravcomp_clear_encoders(const gravcomp_bus *bus);
 
 /* Everything as of one clock; never a mixture of two results. */
 void gravcomp_read(const gravcomp_bus *bus, gravcomp_state *state);
+
+/* CRC-32 of an image: the words of `gravcomp image`, low byte first. */
+uint32_t gravcomp_crc32(const uint8_t *image, uint32_t n_words);
+
+/* Replace weights, scaling and compensation by those of an image, between two inferences. Whatever goes wrong, the core
+ * goes on with those it has; a refused image is a fault that lasts until the next load or gravcomp_use_rom. Kicks the
+ * watchdog. The limits of gravcomp_configure stay those of the ROM. */
+gravcomp_result gravcomp_load(const gravcomp_bus *bus, const uint8_t *image, uint32_t n_words, uint32_t crc,
+                              uint32_t polls);
+
+/* Back to the weights, scaling and compensation of the ROM, between two inferences. */
+gravcomp_result gravcomp_use_rom(const gravcomp_bus *bus, uint32_t polls);
+
+/* CRC-32 of the image in use, 0 with the ROM. */
+uint32_t gravcomp_bank_crc(const gravcomp_bus *bus);
 
 /* Choose what interrupts; read and clear what did. */
 void gravcomp_interrupt_on(const gravcomp_bus *bus, uint32_t events);

@@ -341,6 +341,60 @@ extern "C" {
 #define GC_REGISTERS__INTERRUPT_STATUS__MISSED_TICK_bw 1
 #define GC_REGISTERS__INTERRUPT_STATUS__MISSED_TICK_reset 0x0
 
+// reg - gc_registers.load_unlock
+#define GC_REGISTERS__LOAD_UNLOCK__KEY_bm 0xffffffff
+#define GC_REGISTERS__LOAD_UNLOCK__KEY_bp 0
+#define GC_REGISTERS__LOAD_UNLOCK__KEY_bw 32
+#define GC_REGISTERS__LOAD_UNLOCK__KEY_reset 0x0
+
+// reg - gc_registers.load_status
+#define GC_REGISTERS__LOAD_STATUS__LOADABLE_bm 0x1
+#define GC_REGISTERS__LOAD_STATUS__LOADABLE_bp 0
+#define GC_REGISTERS__LOAD_STATUS__LOADABLE_bw 1
+#define GC_REGISTERS__LOAD_STATUS__UNLOCKED_bm 0x2
+#define GC_REGISTERS__LOAD_STATUS__UNLOCKED_bp 1
+#define GC_REGISTERS__LOAD_STATUS__UNLOCKED_bw 1
+#define GC_REGISTERS__LOAD_STATUS__BAD_bm 0x4
+#define GC_REGISTERS__LOAD_STATUS__BAD_bp 2
+#define GC_REGISTERS__LOAD_STATUS__BAD_bw 1
+#define GC_REGISTERS__LOAD_STATUS__WAITING_bm 0x8
+#define GC_REGISTERS__LOAD_STATUS__WAITING_bp 3
+#define GC_REGISTERS__LOAD_STATUS__WAITING_bw 1
+#define GC_REGISTERS__LOAD_STATUS__BANK_bm 0x30
+#define GC_REGISTERS__LOAD_STATUS__BANK_bp 4
+#define GC_REGISTERS__LOAD_STATUS__BANK_bw 2
+
+// reg - gc_registers.bank_crc
+#define GC_REGISTERS__BANK_CRC__VALUE_bm 0xffffffff
+#define GC_REGISTERS__BANK_CRC__VALUE_bp 0
+#define GC_REGISTERS__BANK_CRC__VALUE_bw 32
+
+// reg - gc_registers.load_command
+#define GC_REGISTERS__LOAD_COMMAND__BEGIN_IMAGE_bm 0x1
+#define GC_REGISTERS__LOAD_COMMAND__BEGIN_IMAGE_bp 0
+#define GC_REGISTERS__LOAD_COMMAND__BEGIN_IMAGE_bw 1
+#define GC_REGISTERS__LOAD_COMMAND__BEGIN_IMAGE_reset 0x0
+#define GC_REGISTERS__LOAD_COMMAND__COMMIT_bm 0x2
+#define GC_REGISTERS__LOAD_COMMAND__COMMIT_bp 1
+#define GC_REGISTERS__LOAD_COMMAND__COMMIT_bw 1
+#define GC_REGISTERS__LOAD_COMMAND__COMMIT_reset 0x0
+#define GC_REGISTERS__LOAD_COMMAND__USE_ROM_bm 0x4
+#define GC_REGISTERS__LOAD_COMMAND__USE_ROM_bp 2
+#define GC_REGISTERS__LOAD_COMMAND__USE_ROM_bw 1
+#define GC_REGISTERS__LOAD_COMMAND__USE_ROM_reset 0x0
+
+// reg - gc_registers.load_crc
+#define GC_REGISTERS__LOAD_CRC__VALUE_bm 0xffffffff
+#define GC_REGISTERS__LOAD_CRC__VALUE_bp 0
+#define GC_REGISTERS__LOAD_CRC__VALUE_bw 32
+#define GC_REGISTERS__LOAD_CRC__VALUE_reset 0x0
+
+// reg - gc_registers.load_word
+#define GC_REGISTERS__LOAD_WORD__VALUE_bm 0xffffffff
+#define GC_REGISTERS__LOAD_WORD__VALUE_bp 0
+#define GC_REGISTERS__LOAD_WORD__VALUE_bw 32
+#define GC_REGISTERS__LOAD_WORD__VALUE_reset 0x0
+
 // addrmap - gc_registers
 typedef struct __attribute__ ((__packed__)) {
     uint32_t id;
@@ -397,6 +451,14 @@ typedef struct __attribute__ ((__packed__)) {
     uint8_t RESERVED_194_19f[0xc];
     uint32_t interrupt_enable;
     uint32_t interrupt_status;
+    uint8_t RESERVED_1a8_1af[0x8];
+    uint32_t load_unlock;
+    uint32_t load_status;
+    uint32_t bank_crc;
+    uint8_t RESERVED_1bc_1bf[0x4];
+    uint32_t load_command;
+    uint32_t load_crc;
+    uint32_t load_word;
 } gc_registers_t;
 
 

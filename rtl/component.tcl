@@ -6,6 +6,7 @@ proc init_gui {IPINST} {
     ipgui::add_param $IPINST -name clock_hz_g
     ipgui::add_param $IPINST -name filter_samples_g
     ipgui::add_param $IPINST -name speed_timeout_g
+    ipgui::add_param $IPINST -name loadable_g
 }
 
 proc update_PARAM_VALUE.lanes_g {PARAM_VALUE.lanes_g} {}
@@ -46,4 +47,14 @@ proc validate_PARAM_VALUE.speed_timeout_g {PARAM_VALUE.speed_timeout_g} {
 
 proc update_MODELPARAM_VALUE.speed_timeout_g {MODELPARAM_VALUE.speed_timeout_g PARAM_VALUE.speed_timeout_g} {
     set_property value [get_property value ${PARAM_VALUE.speed_timeout_g}] ${MODELPARAM_VALUE.speed_timeout_g}
+}
+
+proc update_PARAM_VALUE.loadable_g {PARAM_VALUE.loadable_g} {}
+
+proc validate_PARAM_VALUE.loadable_g {PARAM_VALUE.loadable_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.loadable_g {MODELPARAM_VALUE.loadable_g PARAM_VALUE.loadable_g} {
+    set_property value [get_property value ${PARAM_VALUE.loadable_g}] ${MODELPARAM_VALUE.loadable_g}
 }

@@ -21,7 +21,8 @@ entity gc_controller is
     -- See gc_top.
     lanes_g          : positive := 4;
     filter_samples_g : natural := 4;
-    speed_timeout_g  : positive := 10_000_000
+    speed_timeout_g  : positive := 10_000_000;
+    loadable_g       : boolean := false
   );
   port (
     clk           : in    std_ulogic;
@@ -35,6 +36,9 @@ entity gc_controller is
     -- Settings; their command bits count only with in_valid.
     in_valid      : in    std_ulogic;
     in_settings   : in    settings_t;
+    -- What is loaded, one clock each.
+    in_load_valid : in    std_ulogic;
+    in_load       : in    load_t;
     -- Current commands, uA, axis 1 lowest: one clock per new command.
     drive_valid   : out   std_ulogic;
     drive_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
@@ -53,6 +57,7 @@ architecture rtl of gc_controller is
   subtype axes_t is std_ulogic_vector(axes_c - 1 downto 0);
 
   signal pulses        : word_t;
+  signal load          : load_t;
   signal start         : std_ulogic;
   signal kick          : std_ulogic;
   signal clear_fault   : causes_t;
@@ -89,6 +94,10 @@ architecture rtl of gc_controller is
   signal command      : signed(outputs_c * current_bits_c - 1 downto 0);
   signal limited      : axes_t;
   signal settled      : axes_t;
+  signal load_bad     : std_ulogic;
+  signal load_waiting : std_ulogic;
+  signal bank         : std_ulogic_vector(1 downto 0);
+  signal bank_crc     : word_t;
   signal rom_bad      : std_ulogic := '0';
   signal safety_state : safety_state_t;
   signal cause        : causes_t;
@@ -96,6 +105,7 @@ architecture rtl of gc_controller is
   signal first_cause  : causes_t;
   signal first_count  : signed(inputs_c * count_bits_c - 1 downto 0);
   signal status       : word_t;
+  signal load_status  : word_t;
   signal control_4    : std_ulogic_vector(7 downto 0);
 
 begin
@@ -105,6 +115,8 @@ begin
   kick <= pulses(cfg_kick_c);
   clear_encoder <= pulses(cfg_clear_encoder_c);
   clear_fault <= pulses(cfg_clear_fault_c + causes_c - 1 downto cfg_clear_fault_c);
+
+  load <= in_load when in_load_valid = '1' else (others => '0');
 
   i_tick : entity work.gc_tick
     port map (
@@ -124,7 +136,8 @@ begin
     generic map (
       lanes_g          => lanes_g,
       filter_samples_g => filter_samples_g,
-      speed_timeout_g  => speed_timeout_g
+      speed_timeout_g  => speed_timeout_g,
+      loadable_g       => loadable_g
     )
     port map (
       clk                => clk,
@@ -149,7 +162,17 @@ begin
       sts_speed_zero     => speed_zero,
       sts_referenced     => referenced,
       sts_illegal        => illegal,
-      sts_glitch         => glitch
+      sts_glitch         => glitch,
+      load_begin         => load(load_begin_c),
+      load_valid         => load(load_word_c),
+      load_word          => load(31 downto 0),
+      load_commit        => load(load_commit_c),
+      load_crc           => load(31 downto 0),
+      load_rom           => load(load_rom_c),
+      sts_load_bad       => load_bad,
+      sts_load_waiting   => load_waiting,
+      sts_bank           => bank,
+      sts_bank_crc       => bank_crc
     );
 
   p_results : process (clk) is
@@ -169,7 +192,7 @@ begin
         result_period <= start_period;
       end if;
       rom_bad <= '0';
-      if words(in_settings, cfg_weights_c) /= words(weights_hash_c, 7) then
+      if bank = "00" and words(in_settings, cfg_weights_c) /= words(weights_hash_c, 7) then
         rom_bad <= '1';
       end if;
       if rst = '1' then
@@ -213,7 +236,7 @@ begin
       in_clamped            => clamped,
       in_saturated          => saturated,
       in_settled            => settled,
-      in_crc_bad            => '0',
+      in_crc_bad            => load_bad,
       in_rom_bad            => rom_bad,
       cfg_count_low         => signed(words(in_settings, cfg_low_c, axes_c)),
       cfg_count_high        => signed(words(in_settings, cfg_high_c, axes_c)),
@@ -253,8 +276,12 @@ begin
       out_data => control_4
     );
 
-  -- from sts_control_c down to sts_number_c
-  out_state <= x"000000" & control_4
+  load_status <= x"000000" & "00" & bank & load_waiting & load_bad & "00";
+
+  -- from sts_bank_crc_c down to sts_number_c
+  out_state <= bank_crc
+               & load_status
+               & x"000000" & control_4
                & std_ulogic_vector(first_count)
                & std_ulogic_vector(count)
                & std_ulogic_vector(command)

@@ -1,14 +1,17 @@
 -- SPDX-License-Identifier: MIT
 --
--- The host's side of gc_system: registers behind AXI4-Lite, settings and commands out, state in, interrupt.
+-- The host's side of gc_system: registers behind AXI4-Lite; settings, commands and what is loaded out, state in,
+-- interrupt.
 --
 -- A command bit that is written waits until out_ready and goes out once, with the settings written before it; the same
 -- bit written twice before that is one command. The interrupt bits follow the numbers in the state: one event per word
 -- of state that brings new results, a new fault or new missed ticks.
 -- An address without a register, a write to a register that cannot be written and a read of one that cannot be read
--- get the response SLVERR and change nothing.
--- Latency: 1 clock from in_valid to the interrupt status. AXI4-Lite: see registers/gc_registers.vhd, up to two accesses
--- under way.
+-- get the response SLVERR and change nothing; so does a write to the loader while it is locked.
+-- A write address is taken when the write before it was answered and load_ready is '1': a write finds the lock as those
+-- before it have left it, and nothing is loaded faster than it is taken.
+-- Latency: 1 clock from in_valid to the interrupt status. AXI4-Lite: see registers/gc_registers.vhd; one write and two
+-- reads may be under way.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -23,9 +26,10 @@ library work;
 
 entity gc_host is
   generic (
-    -- What the identity registers say of the core: neurons per clock, Hz.
+    -- What the registers say of the core: neurons per clock, Hz, whether it has banks.
     lanes_g    : positive := 4;
-    clock_hz_g : positive := 40_000_000
+    clock_hz_g : positive := 40_000_000;
+    loadable_g : boolean := true
   );
   port (
     clk           : in    std_ulogic;
@@ -55,6 +59,10 @@ entity gc_host is
     -- The settings of this clock and the commands that wait; taken in a clock with out_ready.
     out_settings  : out   settings_t;
     out_ready     : in    std_ulogic;
+    -- What is loaded, taken in a clock with load_ready. load_ready falls in the clock after that, until it has arrived.
+    load_valid    : out   std_ulogic;
+    load_ready    : in    std_ulogic;
+    load_data     : out   load_t;
     -- New state.
     in_valid      : in    std_ulogic;
     in_state      : in    state_t
@@ -63,8 +71,23 @@ end entity gc_host;
 
 architecture rtl of gc_host is
 
+  constant load_key_c : word_t := x"4B455953";
+
+  -- Upper part of the addresses of the loader's registers (registers/gc_registers.rdl); an address without a register.
+  constant load_block_c  : std_ulogic_vector(11 downto 4) := x"1C";
+  constant no_register_c : std_ulogic_vector(11 downto 0) := x"FFC";
+
   signal regs_in  : gc_registers_in_t;
   signal regs_out : gc_registers_out_t;
+
+  signal unlocked      : std_ulogic;
+  signal writing       : std_ulogic := '0';
+  signal write_ready   : std_ulogic;
+  signal write_address : std_ulogic_vector(11 downto 0);
+  signal write_valid   : std_ulogic;
+  signal awready       : std_ulogic;
+  signal bvalid        : std_ulogic;
+  signal loaded        : std_ulogic := '0';
 
   -- Commands at their places in settings.
   signal command : word_t;
@@ -83,16 +106,16 @@ begin
     port map (
       clk            => clk,
       rst            => rst,
-      s_axil_awready => s_axi_awready,
-      s_axil_awvalid => s_axi_awvalid,
-      s_axil_awaddr  => s_axi_awaddr,
+      s_axil_awready => awready,
+      s_axil_awvalid => write_valid,
+      s_axil_awaddr  => write_address,
       s_axil_awprot  => s_axi_awprot,
       s_axil_wready  => s_axi_wready,
       s_axil_wvalid  => s_axi_wvalid,
       s_axil_wdata   => s_axi_wdata,
       s_axil_wstrb   => s_axi_wstrb,
       s_axil_bready  => s_axi_bready,
-      s_axil_bvalid  => s_axi_bvalid,
+      s_axil_bvalid  => bvalid,
       s_axil_bresp   => s_axi_bresp,
       s_axil_arready => s_axi_arready,
       s_axil_arvalid => s_axi_arvalid,
@@ -107,6 +130,63 @@ begin
     );
 
   irq <= regs_out.interrupt_status.intr;
+
+  -- Writes, one at a time
+
+  write_ready <= load_ready and not writing;
+  write_valid <= s_axi_awvalid and write_ready;
+  s_axi_awready <= awready and write_ready;
+  s_axi_bvalid <= bvalid;
+
+  p_writing : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      if write_valid = '1' and awready = '1' then
+        writing <= '1';
+      elsif bvalid = '1' and s_axi_bready = '1' then
+        writing <= '0';
+      end if;
+      if rst = '1' then
+        writing <= '0';
+      end if;
+    end if;
+
+  end process p_writing;
+
+  -- Loading
+
+  unlocked <= '1' when regs_out.load_unlock.key.value = load_key_c else '0';
+  regs_in.load_unlock.key.hwclr <= regs_out.load_command.commit.value;
+
+  write_address <= no_register_c when unlocked = '0' and s_axi_awaddr(load_block_c'range) = load_block_c else
+                   s_axi_awaddr;
+
+  -- The word itself is there one clock after its swmod.
+  p_loaded : process (clk) is
+  begin
+
+    if rising_edge(clk) then
+      loaded <= regs_out.load_word.value.swmod;
+      if rst = '1' then
+        loaded <= '0';
+      end if;
+    end if;
+
+  end process p_loaded;
+
+  p_load : process (all) is
+  begin
+
+    load_data(31 downto 0) <= regs_out.load_word.value.value when loaded = '1' else regs_out.load_crc.value.value;
+    load_data(load_word_c) <= loaded;
+    load_data(load_begin_c) <= regs_out.load_command.begin_image.value;
+    load_data(load_commit_c) <= regs_out.load_command.commit.value;
+    load_data(load_rom_c) <= regs_out.load_command.use_rom.value;
+
+  end process p_load;
+
+  load_valid <= '1' when unsigned(load_data(load_t'high downto 32)) /= 0 else '0';
 
   -- Identity
 
@@ -180,6 +260,9 @@ begin
 
   -- State
 
+  regs_in.load_status.loadable.next_q <= '1' when loadable_g else '0';
+  regs_in.load_status.unlocked.next_q <= unlocked;
+  regs_in.bank_crc.value.next_q <= words(in_state, sts_bank_crc_c);
   regs_in.result_number.value.next_q <= words(in_state, sts_number_c);
   regs_in.missed_ticks.value.next_q <= words(in_state, sts_missed_c);
 
@@ -227,6 +310,11 @@ begin
     regs_in.control_now.enable.next_q <= word_v(cfg_enable_c);
     regs_in.control_now.tick_enable.next_q <= word_v(cfg_tick_enable_c);
     regs_in.control_now.home_enable.next_q <= word_v(cfg_home_c + axes_c - 1 downto cfg_home_c);
+
+    word_v := words(in_state, sts_load_c);
+    regs_in.load_status.bad.next_q <= word_v(2);
+    regs_in.load_status.waiting.next_q <= word_v(3);
+    regs_in.load_status.bank.next_q <= word_v(5 downto 4);
 
     word_v := words(in_state, sts_cause_c);
     regs_in.cause.value.next_q <= word_v(causes_c - 1 downto 0);

@@ -2,9 +2,9 @@
 --
 -- Everything around the robot: encoders, network, drives, brakes and emergency stop on one side, a host on the other.
 --
--- Two unrelated clocks: clk for the core, s_axi_aclk for the registers (registers/gc_registers.rdl). They meet in two
--- gc_crossing_bus, settings there and state back, and in the reset; nothing else crosses. Both run all the time: a
--- setting or a state is a round trip old, at most two.
+-- Two unrelated clocks: clk for the core, s_axi_aclk for the registers (registers/gc_registers.rdl). They meet in three
+-- gc_crossing_bus, settings and what is loaded there, state back, and in the reset; nothing else crosses. Settings and
+-- state cross all the time: they are a round trip old, at most two.
 -- Reset: s_axi_aresetn, low for 8 clocks of the slower clock; it also resets the core: brakes engaged, commands zero.
 -- Latency: see docs/system.md.
 
@@ -25,7 +25,9 @@ entity gc_system is
     -- Clocks that an encoder level must last, 0 = no filter.
     filter_samples_g : natural := 4;
     -- Clocks without an edge that count as standstill.
-    speed_timeout_g  : positive := 10_000_000
+    speed_timeout_g  : positive := 10_000_000;
+    -- Whether weights, scaling and compensation can be replaced at run time: two banks of memory for all of them.
+    loadable_g       : boolean := true
   );
   port (
     s_axi_aclk    : in    std_ulogic;
@@ -78,8 +80,13 @@ architecture rtl of gc_system is
   signal axi_ready      : std_ulogic;
   signal axi_state      : state_t;
   signal axi_valid      : std_ulogic;
+  signal axi_load       : load_t;
+  signal axi_load_valid : std_ulogic;
+  signal axi_load_ready : std_ulogic;
   signal core_settings  : settings_t;
   signal settings_valid : std_ulogic;
+  signal core_load      : load_t;
+  signal load_valid     : std_ulogic;
   signal core_state     : state_t;
   signal state_valid    : std_ulogic;
 
@@ -106,7 +113,8 @@ begin
   i_host : entity work.gc_host
     generic map (
       lanes_g    => lanes_g,
-      clock_hz_g => clock_hz_g
+      clock_hz_g => clock_hz_g,
+      loadable_g => loadable_g
     )
     port map (
       clk           => s_axi_aclk,
@@ -133,6 +141,9 @@ begin
       irq           => irq,
       out_settings  => axi_settings,
       out_ready     => axi_ready,
+      load_valid    => axi_load_valid,
+      load_ready    => axi_load_ready,
+      load_data     => axi_load,
       in_valid      => axi_valid,
       in_state      => axi_state
     );
@@ -152,11 +163,27 @@ begin
       out_data  => core_settings
     );
 
+  i_load : entity work.gc_crossing_bus
+    generic map (
+      width_g => load_t'length
+    )
+    port map (
+      in_clk    => s_axi_aclk,
+      in_valid  => axi_load_valid,
+      in_ready  => axi_load_ready,
+      in_data   => axi_load,
+      out_clk   => clk,
+      out_rst   => rst,
+      out_valid => load_valid,
+      out_data  => core_load
+    );
+
   i_controller : entity work.gc_controller
     generic map (
       lanes_g          => lanes_g,
       filter_samples_g => filter_samples_g,
-      speed_timeout_g  => speed_timeout_g
+      speed_timeout_g  => speed_timeout_g,
+      loadable_g       => loadable_g
     )
     port map (
       clk           => clk,
@@ -167,6 +194,8 @@ begin
       estop_n       => estop_n,
       in_valid      => settings_valid,
       in_settings   => core_settings,
+      in_load_valid => load_valid,
+      in_load       => core_load,
       drive_valid   => drive_valid,
       drive_current => drive_current,
       drive_enable  => drive_enable,

@@ -40,7 +40,7 @@ package gc_system_pkg is
 
   subtype settings_t is std_ulogic_vector(32 * cfg_words_c - 1 downto 0);
 
-  -- State: words; status, flags and control have the bits of the registers.
+  -- State: words; status, flags, control and load have the bits of the registers.
   constant sts_number_c         : natural := 0;
   constant sts_missed_c         : natural := 1;
   constant sts_status_c         : natural := 2;
@@ -56,9 +56,19 @@ package gc_system_pkg is
   constant sts_position_now_c   : natural := 22;
   constant sts_first_position_c : natural := 25;
   constant sts_control_c        : natural := 28;
-  constant sts_words_c          : natural := 29;
+  constant sts_load_c           : natural := 29;
+  constant sts_bank_crc_c       : natural := 30;
+  constant sts_words_c          : natural := 31;
 
   subtype state_t is std_ulogic_vector(32 * sts_words_c - 1 downto 0);
+
+  -- What is loaded: a word of the image or, beside a command, its CRC, and which of these it is.
+  constant load_word_c   : natural := 32;
+  constant load_begin_c  : natural := 33;
+  constant load_commit_c : natural := 34;
+  constant load_rom_c    : natural := 35;
+
+  subtype load_t is std_ulogic_vector(35 downto 0);
 
   -- Words number k to k + n - 1 of a bus.
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
+from cocotb.task import resume
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp
 
 from gravcomp.system.registers import read_registers
@@ -56,3 +57,18 @@ class Registers:
 
     async def field(self, name: str, field: str) -> int:
         return self.map[name].field(field, await self.read(name))
+
+
+class SimulatedBus:
+    """Blocking accesses for code that runs in cocotb.bridge, and a record of them."""
+
+    def __init__(self, registers):
+        self.read_at, self.write_at = resume(registers.read_at), resume(registers.write_at)
+        self.written = []
+
+    def read(self, offset: int) -> int:
+        return self.read_at(offset)
+
+    def write(self, offset: int, word: int) -> None:
+        self.written.append((offset, word))
+        self.write_at(offset, word)

@@ -112,6 +112,22 @@ class CHost:
         self._c.gravcomp_read(ctypes.byref(self._bus), ctypes.byref(state))
         return _plain(state, State)
 
+    def crc32(self, image: bytes) -> int:
+        function = self._c.gravcomp_crc32
+        function.restype = _U32
+        return function(image, _U32(len(image) // 4))
+
+    def load(self, image: bytes, crc: int, polls: int) -> Result:
+        return self._call("load", image, _U32(len(image) // 4), _U32(crc), _U32(polls))
+
+    def use_rom(self, polls: int) -> Result:
+        return self._call("use_rom", _U32(polls))
+
+    def bank_crc(self) -> int:
+        function = self._c.gravcomp_bank_crc
+        function.restype = _U32
+        return function(ctypes.byref(self._bus))
+
     def interrupt_on(self, events: int) -> None:
         self._c.gravcomp_interrupt_on(ctypes.byref(self._bus), _U32(events))
 
@@ -120,9 +136,10 @@ class CHost:
         function.restype = _U32
         return function(ctypes.byref(self._bus))
 
-    def run_example(self, n_results: int) -> int:
+    def run_example(self, image: bytes, n_results: int) -> int:
         """host/example.c on this bus: its exit code; it prints to the C library's standard output."""
-        code = self._c.run_example(ctypes.byref(self._bus), ctypes.c_int(n_results))
+        n_words = _U32(len(image) // 4)
+        code = self._c.run_example(ctypes.byref(self._bus), image, n_words, ctypes.c_int(n_results))
         self._c.fflush(None)
         return code
 

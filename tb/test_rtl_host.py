@@ -10,12 +10,17 @@ import numpy as np
 import pytest
 from cocotb.task import bridge, resume
 
+from axi import SimulatedBus
 from c_host import CHost, compile_host
-from codes import fixed_network, pack, weights_under_test
+from codes import ROOT, fixed_network, pack, weights_under_test
+from gravcomp.cli import main
 from gravcomp.network import bittrue
+from gravcomp.network.compensation import compensator
 from gravcomp.network.quantise import COUNT_BITS
 from gravcomp.network.weights import weights_hash
 from gravcomp.system.host import Brakes, Event, Host, Result, Settings, State
+from gravcomp.system.registers import read_registers
+from loading import image_of, other_weights
 from runner import BENCHES, BUILD, simulate
 from test_rtl_system import System
 
@@ -23,7 +28,9 @@ INDEX = np.array([2002, -3002, 4002])
 POSES = [(2042, -3001, 4002), (1990, -3042, 3961), (2002, -3002, 4002)]
 POLLS = 300
 ESTOP = 1
+SHORT_IMAGE = bytes(range(256)) * 2
 SPEED_TIMEOUT = 100  # clocks to standstill
+STILL = 2**31 - 1  # speed_period then
 SETTINGS = Settings(
     expected_weights=int(weights_hash(weights_under_test())[:8], 16),
     index_position=tuple(INDEX.tolist()),
@@ -37,21 +44,6 @@ SETTINGS = Settings(
     result_us=200,
     brake_us=1,
 )
-
-
-class SimulatedBus:
-    """Blocking accesses for code that runs in cocotb.bridge, and a record of them."""
-
-    def __init__(self, registers):
-        self.read_at, self.write_at = resume(registers.read_at), resume(registers.write_at)
-        self.written = []
-
-    def read(self, offset: int) -> int:
-        return self.read_at(offset)
-
-    def write(self, offset: int, word: int) -> None:
-        self.written.append((offset, word))
-        self.write_at(offset, word)
 
 
 class Robot:
@@ -105,6 +97,7 @@ def session(host: Host | CHost, robot: Robot) -> list:
     answers += [host.release(POLLS), settled(host), host.stop()]
     robot.wait(400)
     answers += [unnumbered(host.read()), host.tick(False)]
+    answers += [host.load(SHORT_IMAGE, 0, POLLS), host.bank_crc(), host.use_rom(POLLS)]
     return answers
 
 
@@ -141,7 +134,7 @@ def check(answers: list) -> None:
     """The answers are the right ones, not only the same ones."""
     results = [answer for answer in answers if isinstance(answer, Result)]
     ok, fault = Result.OK, Result.FAULT
-    assert results == [fault, ok, ok, ok, ok, Result.TIMEOUT, ok, ok, fault, ok, ok, ok]
+    assert results == [fault, ok, ok, ok, ok, Result.TIMEOUT, ok, ok, fault, ok, ok, ok, Result.REFUSED, ok]
     states = [answer for answer in answers if isinstance(answer, State)]
     fixed = fixed_network()
     for state, pose in zip(states[:3], POSES, strict=True):
@@ -187,9 +180,10 @@ async def slow_core(dut):
 @cocotb.test()
 async def example(dut):
     system = System(dut)
-    await system.start(axi_mhz=40)
+    await system.start(axi_mhz=100)
     host = CHost(Path(os.environ["LIBRARY"]), SimulatedBus(system.registers))
 
+    image = Path(os.environ["IMAGE"]).read_bytes()
     dut.index_count.value = pack([2, 2, 2], COUNT_BITS)  # two counts before the end of the walk
 
     async def move_over_the_index():
@@ -199,18 +193,18 @@ async def example(dut):
         await system.walk_to(np.array([4, 4, 4]))
 
     cocotb.start_soon(move_over_the_index())
-    assert await bridge(host.run_example)(2) == 0
+    assert await bridge(host.run_example)(image, 2) == 0
 
 
-def simulate_host(cocotb_test: str) -> None:
+def simulate_host(cocotb_test: str, **environment: str) -> None:
     library = compile_host(BUILD / "host" / cocotb_test, "-DTICK_US=20")
     simulate(
         "gc_system_bench",
         "test_rtl_host",
         tests=rf"\.{cocotb_test}(/|$)",
         label=cocotb_test,
-        generics={"lanes_g": 4, "speed_timeout_g": SPEED_TIMEOUT},
-        environment={"LIBRARY": str(library)},
+        generics={"lanes_g": 1, "speed_timeout_g": SPEED_TIMEOUT},
+        environment={"LIBRARY": str(library), **environment},
         extra_sources=tuple(BENCHES / f"{name}.vhd" for name in ("gc_encoder_model", "gc_system_bench")),
     )
 
@@ -225,16 +219,49 @@ def test_host_waits_for_a_slow_core():
 
 
 @pytest.mark.slow
-def test_host_example_homes_releases_and_prints_forces():
-    simulate_host("example")
+def test_host_example_loads_homes_releases_and_prints_forces():
+    folder = other_weights(BUILD / "host" / "weights")
+    image, path = image_of(folder), folder / "image.bin"
+    assert main(["image", "--weights", str(folder), "--out", str(path)]) == 0
+    simulate_host("example", IMAGE=str(path))
     log = next(BUILD.glob("tb/test_rtl_host-example*/run.log")).read_text()
+    assert f"image of {len(image.words)} words, CRC-32 {image.crc32:08x}" in log
     lines = [line for line in log.splitlines() if " N " in line]
-    position = [2] * 3
-    force_n = bittrue.core(np.array(position), fixed_network()).force_mn / 1e3
+    position = np.array([2] * 3)
+    network_mn = bittrue.core(position, image.network).force_mn
+    force_n = compensator(network_mn, position, np.array([STILL] * 3), image.compensation)[0] / 1e3
     for line in lines:
         assert [float(text) for text in re.findall(r"q\d +([-.\d]+) mm", line)] == [0.002] * 3
         np.testing.assert_allclose([float(text) for text in re.findall(r"([-.\d]+) N", line)], force_n, atol=1e-9)
     assert len(lines) == 2
+
+
+class FakeBus:
+    """Registers without a core: a commit brings the bank into use; records what is written."""
+
+    def __init__(self):
+        self.map = read_registers()
+        self.written, self.is_loaded = [], False
+
+    def read(self, offset: int) -> int:
+        return 1 | self.is_loaded << 4 if offset == self.map["load_status"].address else 0
+
+    def write(self, offset: int, word: int) -> None:
+        self.written.append((offset, word))
+        self.is_loaded = self.is_loaded or (offset, word) == (self.map["load_command"].address, 2)
+
+
+def test_host_loads_a_whole_image_alike_in_c_and_in_python(tmp_path):
+    image, library = image_of(ROOT / "weights" / "spheiro"), compile_host(tmp_path)
+    written = []
+    for bus in (FakeBus(), FakeBus()):
+        host = Host(bus) if written else CHost(library, bus)
+        assert host.crc32(image.data) == image.crc32
+        assert host.load(image.data, image.crc32, 1) == Result.OK
+        written.append(bus.written)
+    assert written[0] == written[1]
+    address = read_registers()["load_word"].address
+    assert [word for offset, word in written[0] if offset == address] == image.words.tolist()
 
 
 def test_host_compiles_as_c99_with_every_warning_an_error(tmp_path):

@@ -13,6 +13,7 @@ from axi import BusError, Registers
 from codes import fixed_compensation, fixed_network, pack, unpack, weights_under_test
 from gravcomp.network import bittrue
 from gravcomp.network.compensation import compensator
+from gravcomp.network.image import Image
 from gravcomp.network.quantise import COUNT_BITS
 from gravcomp.network.weights import weights_hash
 from runner import BENCHES, simulate
@@ -126,13 +127,17 @@ class System:
         return {"number": number, **{name: np.array(await self.registers.read_axes(name)) for name in names}}
 
 
-def assert_bit_true(result: dict[str, np.ndarray]) -> None:
-    """AssertionError when the forces and currents are not those of the result's own position and speed."""
-    fixed = fixed_network()
-    network_mn = bittrue.core(result["position"], fixed).force_mn
-    force_mn, _ = compensator(network_mn, result["position"], result["speed_period"], fixed_compensation())
+def assert_bit_true(result: dict[str, np.ndarray], constants: Image | None = None) -> None:
+    """AssertionError when the forces and currents are not those of the result's own position and speed.
+
+    constants: those in use, if not the ROM's.
+    """
+    network = constants.network if constants else fixed_network()
+    compensation = constants.compensation if constants else fixed_compensation()
+    network_mn = bittrue.core(result["position"], network).force_mn
+    force_mn, _ = compensator(network_mn, result["position"], result["speed_period"], compensation)
     np.testing.assert_array_equal(result["force_mn"], force_mn)
-    np.testing.assert_array_equal(result["current_ua"], bittrue.current_scaler(force_mn, fixed))
+    np.testing.assert_array_equal(result["current_ua"], bittrue.current_scaler(force_mn, network))
 
 
 def hardware_values() -> dict[str, list[int]]:
@@ -151,6 +156,7 @@ def hardware_values() -> dict[str, list[int]]:
         "fault": [0x388],
         "first_cause": [0x008],
         "interrupt_status": [0x2],
+        "load_status": [1],
     }
 
 
@@ -337,7 +343,7 @@ async def record_states(host, states: list) -> None:
     while True:
         await FallingEdge(host.clk)
         if host.in_valid.value == 1:
-            words = unpack([int(host.in_state.value)], 32, 29)[0]
+            words = unpack([int(host.in_state.value)], 32, 31)[0]
             groups = {name: words[7 + N_AXES * k :][:N_AXES] for k, name in enumerate(names)}
             states.append({"number": words[0], **groups})
 

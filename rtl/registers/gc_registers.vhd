@@ -123,6 +123,12 @@ architecture rtl of gc_registers is
         control_now : std_logic;
         interrupt_enable : std_logic;
         interrupt_status : std_logic;
+        load_unlock : std_logic;
+        load_status : std_logic;
+        bank_crc : std_logic;
+        load_command : std_logic;
+        load_crc : std_logic;
+        load_word : std_logic;
     end record;
     signal decoded_reg_strb : decoded_reg_strb_t;
     signal decoded_err : std_logic;
@@ -340,6 +346,54 @@ architecture rtl of gc_registers is
         missed_tick : \gc_registers.interrupt_status.missed_tick_combo_t\;
     end record;
 
+    type \gc_registers.load_unlock.key_combo_t\ is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type \gc_registers.load_unlock_combo_t\ is record
+        key : \gc_registers.load_unlock.key_combo_t\;
+    end record;
+
+    type \gc_registers.load_command.begin_image_combo_t\ is record
+        next_q : std_logic;
+        load_next : std_logic;
+    end record;
+
+    type \gc_registers.load_command.commit_combo_t\ is record
+        next_q : std_logic;
+        load_next : std_logic;
+    end record;
+
+    type \gc_registers.load_command.use_rom_combo_t\ is record
+        next_q : std_logic;
+        load_next : std_logic;
+    end record;
+
+    type \gc_registers.load_command_combo_t\ is record
+        begin_image : \gc_registers.load_command.begin_image_combo_t\;
+        commit : \gc_registers.load_command.commit_combo_t\;
+        use_rom : \gc_registers.load_command.use_rom_combo_t\;
+    end record;
+
+    type \gc_registers.load_crc.value_combo_t\ is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type \gc_registers.load_crc_combo_t\ is record
+        value : \gc_registers.load_crc.value_combo_t\;
+    end record;
+
+    type \gc_registers.load_word.value_combo_t\ is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type \gc_registers.load_word_combo_t\ is record
+        value : \gc_registers.load_word.value_combo_t\;
+    end record;
+
     type field_combo_t is record
         control : \gc_registers.control_combo_t\;
         command : \gc_registers.command_combo_t\;
@@ -358,6 +412,10 @@ architecture rtl of gc_registers is
         fault : \gc_registers.fault_combo_t\;
         interrupt_enable : \gc_registers.interrupt_enable_combo_t\;
         interrupt_status : \gc_registers.interrupt_status_combo_t\;
+        load_unlock : \gc_registers.load_unlock_combo_t\;
+        load_command : \gc_registers.load_command_combo_t\;
+        load_crc : \gc_registers.load_crc_combo_t\;
+        load_word : \gc_registers.load_word_combo_t\;
     end record;
     signal field_combo : field_combo_t;
 
@@ -541,6 +599,48 @@ architecture rtl of gc_registers is
         missed_tick : \gc_registers.interrupt_status.missed_tick_storage_t\;
     end record;
 
+    type \gc_registers.load_unlock.key_storage_t\ is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type \gc_registers.load_unlock_storage_t\ is record
+        key : \gc_registers.load_unlock.key_storage_t\;
+    end record;
+
+    type \gc_registers.load_command.begin_image_storage_t\ is record
+        value : std_logic;
+    end record;
+
+    type \gc_registers.load_command.commit_storage_t\ is record
+        value : std_logic;
+    end record;
+
+    type \gc_registers.load_command.use_rom_storage_t\ is record
+        value : std_logic;
+    end record;
+
+    type \gc_registers.load_command_storage_t\ is record
+        begin_image : \gc_registers.load_command.begin_image_storage_t\;
+        commit : \gc_registers.load_command.commit_storage_t\;
+        use_rom : \gc_registers.load_command.use_rom_storage_t\;
+    end record;
+
+    type \gc_registers.load_crc.value_storage_t\ is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type \gc_registers.load_crc_storage_t\ is record
+        value : \gc_registers.load_crc.value_storage_t\;
+    end record;
+
+    type \gc_registers.load_word.value_storage_t\ is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type \gc_registers.load_word_storage_t\ is record
+        value : \gc_registers.load_word.value_storage_t\;
+    end record;
+
     type field_storage_t is record
         control : \gc_registers.control_storage_t\;
         command : \gc_registers.command_storage_t\;
@@ -559,6 +659,10 @@ architecture rtl of gc_registers is
         fault : \gc_registers.fault_storage_t\;
         interrupt_enable : \gc_registers.interrupt_enable_storage_t\;
         interrupt_status : \gc_registers.interrupt_status_storage_t\;
+        load_unlock : \gc_registers.load_unlock_storage_t\;
+        load_command : \gc_registers.load_command_storage_t\;
+        load_crc : \gc_registers.load_crc_storage_t\;
+        load_word : \gc_registers.load_word_storage_t\;
     end record;
     signal field_storage : field_storage_t;
 
@@ -999,6 +1103,24 @@ begin
         decoded_reg_strb.interrupt_status <= cpuif_req_masked and (cpuif_addr = 16#1A4#);
         is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1A4#));
         is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1A4#));
+        decoded_reg_strb.load_unlock <= cpuif_req_masked and (cpuif_addr = 16#1B0#) and cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1B0#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1B0#) and cpuif_req_is_wr);
+        decoded_reg_strb.load_status <= cpuif_req_masked and (cpuif_addr = 16#1B4#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1B4#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1B4#) and not cpuif_req_is_wr);
+        decoded_reg_strb.bank_crc <= cpuif_req_masked and (cpuif_addr = 16#1B8#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1B8#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1B8#) and not cpuif_req_is_wr);
+        decoded_reg_strb.load_command <= cpuif_req_masked and (cpuif_addr = 16#1C0#) and cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1C0#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1C0#) and cpuif_req_is_wr);
+        decoded_reg_strb.load_crc <= cpuif_req_masked and (cpuif_addr = 16#1C4#) and cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1C4#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1C4#) and cpuif_req_is_wr);
+        decoded_reg_strb.load_word <= cpuif_req_masked and (cpuif_addr = 16#1C8#) and cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1C8#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1C8#) and cpuif_req_is_wr);
         decoded_err <= (not is_valid_addr or (is_valid_addr and not is_valid_rw)) and decoded_req;
     end process;
 
@@ -1765,6 +1887,193 @@ begin
         or (field_storage.interrupt_status.fault.value and field_storage.interrupt_enable.fault.value)
         or (field_storage.interrupt_status.missed_tick.value and field_storage.interrupt_enable.missed_tick.value);
 
+    -- Field: gc_registers.load_unlock.key
+    process(all)
+        variable next_c: std_logic_vector(31 downto 0);
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.load_unlock.key.value;
+        load_next_c := '0';
+        if decoded_reg_strb.load_unlock and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.load_unlock.key.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            load_next_c := '1';
+        elsif hwif_in.load_unlock.key.hwclr then -- HW Clear
+            next_c := (others => '0');
+            load_next_c := '1';
+        end if;
+        field_combo.load_unlock.key.next_q <= next_c;
+        field_combo.load_unlock.key.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.load_unlock.key.value <= 32x"0";
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.load_unlock.key.value <= 32x"0";
+            else
+                if field_combo.load_unlock.key.load_next then
+                    field_storage.load_unlock.key.value <= field_combo.load_unlock.key.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.load_unlock.key.value <= field_storage.load_unlock.key.value;
+
+    -- Field: gc_registers.load_command.begin_image
+    process(all)
+        variable next_c: std_logic;
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.load_command.begin_image.value;
+        load_next_c := '0';
+        if decoded_reg_strb.load_command and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.load_command.begin_image.value and not decoded_wr_biten(0)) or (decoded_wr_data(0) and decoded_wr_biten(0));
+            load_next_c := '1';
+        else -- singlepulse clears back to 0
+            next_c := '0';
+            load_next_c := '1';
+        end if;
+        field_combo.load_command.begin_image.next_q <= next_c;
+        field_combo.load_command.begin_image.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.load_command.begin_image.value <= '0';
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.load_command.begin_image.value <= '0';
+            else
+                if field_combo.load_command.begin_image.load_next then
+                    field_storage.load_command.begin_image.value <= field_combo.load_command.begin_image.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.load_command.begin_image.value <= field_storage.load_command.begin_image.value;
+
+    -- Field: gc_registers.load_command.commit
+    process(all)
+        variable next_c: std_logic;
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.load_command.commit.value;
+        load_next_c := '0';
+        if decoded_reg_strb.load_command and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.load_command.commit.value and not decoded_wr_biten(1)) or (decoded_wr_data(1) and decoded_wr_biten(1));
+            load_next_c := '1';
+        else -- singlepulse clears back to 0
+            next_c := '0';
+            load_next_c := '1';
+        end if;
+        field_combo.load_command.commit.next_q <= next_c;
+        field_combo.load_command.commit.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.load_command.commit.value <= '0';
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.load_command.commit.value <= '0';
+            else
+                if field_combo.load_command.commit.load_next then
+                    field_storage.load_command.commit.value <= field_combo.load_command.commit.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.load_command.commit.value <= field_storage.load_command.commit.value;
+
+    -- Field: gc_registers.load_command.use_rom
+    process(all)
+        variable next_c: std_logic;
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.load_command.use_rom.value;
+        load_next_c := '0';
+        if decoded_reg_strb.load_command and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.load_command.use_rom.value and not decoded_wr_biten(2)) or (decoded_wr_data(2) and decoded_wr_biten(2));
+            load_next_c := '1';
+        else -- singlepulse clears back to 0
+            next_c := '0';
+            load_next_c := '1';
+        end if;
+        field_combo.load_command.use_rom.next_q <= next_c;
+        field_combo.load_command.use_rom.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.load_command.use_rom.value <= '0';
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.load_command.use_rom.value <= '0';
+            else
+                if field_combo.load_command.use_rom.load_next then
+                    field_storage.load_command.use_rom.value <= field_combo.load_command.use_rom.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.load_command.use_rom.value <= field_storage.load_command.use_rom.value;
+
+    -- Field: gc_registers.load_crc.value
+    process(all)
+        variable next_c: std_logic_vector(31 downto 0);
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.load_crc.value.value;
+        load_next_c := '0';
+        if decoded_reg_strb.load_crc and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.load_crc.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            load_next_c := '1';
+        end if;
+        field_combo.load_crc.value.next_q <= next_c;
+        field_combo.load_crc.value.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.load_crc.value.value <= 32x"0";
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.load_crc.value.value <= 32x"0";
+            else
+                if field_combo.load_crc.value.load_next then
+                    field_storage.load_crc.value.value <= field_combo.load_crc.value.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.load_crc.value.value <= field_storage.load_crc.value.value;
+
+    -- Field: gc_registers.load_word.value
+    process(all)
+        variable next_c: std_logic_vector(31 downto 0);
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.load_word.value.value;
+        load_next_c := '0';
+        if decoded_reg_strb.load_word and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.load_word.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            load_next_c := '1';
+        end if;
+        field_combo.load_word.value.next_q <= next_c;
+        field_combo.load_word.value.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.load_word.value.value <= 32x"0";
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.load_word.value.value <= 32x"0";
+            else
+                if field_combo.load_word.value.load_next then
+                    field_storage.load_word.value.value <= field_combo.load_word.value.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.load_word.value.value <= field_storage.load_word.value.value;
+    hwif_out.load_word.value.swmod <= decoded_reg_strb.load_word and decoded_req_is_wr and or_reduce(decoded_wr_biten(31 downto 0));
+
     ----------------------------------------------------------------------------
     -- Read double-buffers
     ----------------------------------------------------------------------------
@@ -2071,6 +2380,16 @@ begin
             readback_data_var(0) := field_storage.interrupt_status.result.value;
             readback_data_var(1) := field_storage.interrupt_status.fault.value;
             readback_data_var(2) := field_storage.interrupt_status.missed_tick.value;
+        end if;
+        if rd_mux_addr = 16#1B4# then
+            readback_data_var(0) := hwif_in.load_status.loadable.next_q;
+            readback_data_var(1) := hwif_in.load_status.unlocked.next_q;
+            readback_data_var(2) := hwif_in.load_status.bad.next_q;
+            readback_data_var(3) := hwif_in.load_status.waiting.next_q;
+            readback_data_var(5 downto 4) := hwif_in.load_status.bank.next_q;
+        end if;
+        if rd_mux_addr = 16#1B8# then
+            readback_data_var(31 downto 0) := hwif_in.bank_crc.value.next_q;
         end if;
         readback_data <= readback_data_var;
         readback_done <= decoded_req and not decoded_req_is_wr;

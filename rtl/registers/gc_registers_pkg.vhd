@@ -9,7 +9,7 @@ package gc_registers_pkg is
 
     constant GC_REGISTERS_DATA_WIDTH : positive := 32;
     constant GC_REGISTERS_MIN_ADDR_WIDTH : positive := 12;
-    constant GC_REGISTERS_SIZE : positive := 424;
+    constant GC_REGISTERS_SIZE : positive := 460;
 
     type \gc_registers.geometry.inputs_in_t\ is record
         next_q : std_logic_vector(7 downto 0);
@@ -338,6 +338,50 @@ package gc_registers_pkg is
         missed_tick : \gc_registers.interrupt_status.missed_tick_in_t\;
     end record;
 
+    type \gc_registers.load_unlock.key_in_t\ is record
+        hwclr : std_logic;
+    end record;
+
+    type \gc_registers.load_unlock_in_t\ is record
+        key : \gc_registers.load_unlock.key_in_t\;
+    end record;
+
+    type \gc_registers.load_status.loadable_in_t\ is record
+        next_q : std_logic;
+    end record;
+
+    type \gc_registers.load_status.unlocked_in_t\ is record
+        next_q : std_logic;
+    end record;
+
+    type \gc_registers.load_status.bad_in_t\ is record
+        next_q : std_logic;
+    end record;
+
+    type \gc_registers.load_status.waiting_in_t\ is record
+        next_q : std_logic;
+    end record;
+
+    type \gc_registers.load_status.bank_in_t\ is record
+        next_q : std_logic_vector(1 downto 0);
+    end record;
+
+    type \gc_registers.load_status_in_t\ is record
+        loadable : \gc_registers.load_status.loadable_in_t\;
+        unlocked : \gc_registers.load_status.unlocked_in_t\;
+        bad : \gc_registers.load_status.bad_in_t\;
+        waiting : \gc_registers.load_status.waiting_in_t\;
+        bank : \gc_registers.load_status.bank_in_t\;
+    end record;
+
+    type \gc_registers.bank_crc.value_in_t\ is record
+        next_q : std_logic_vector(31 downto 0);
+    end record;
+
+    type \gc_registers.bank_crc_in_t\ is record
+        value : \gc_registers.bank_crc.value_in_t\;
+    end record;
+
     type gc_registers_in_t is record
         geometry : \gc_registers.geometry_in_t\;
         clock_hz : \gc_registers.clock_hz_in_t\;
@@ -361,6 +405,9 @@ package gc_registers_pkg is
         first_position : \gc_registers.first_positionx_in_t_array\(0 to 2);
         control_now : \gc_registers.control_now_in_t\;
         interrupt_status : \gc_registers.interrupt_status_in_t\;
+        load_unlock : \gc_registers.load_unlock_in_t\;
+        load_status : \gc_registers.load_status_in_t\;
+        bank_crc : \gc_registers.bank_crc_in_t\;
     end record;
 
     type \gc_registers.control.enable_out_t\ is record
@@ -510,6 +557,49 @@ package gc_registers_pkg is
         intr : std_logic;
     end record;
 
+    type \gc_registers.load_unlock.key_out_t\ is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type \gc_registers.load_unlock_out_t\ is record
+        key : \gc_registers.load_unlock.key_out_t\;
+    end record;
+
+    type \gc_registers.load_command.begin_image_out_t\ is record
+        value : std_logic;
+    end record;
+
+    type \gc_registers.load_command.commit_out_t\ is record
+        value : std_logic;
+    end record;
+
+    type \gc_registers.load_command.use_rom_out_t\ is record
+        value : std_logic;
+    end record;
+
+    type \gc_registers.load_command_out_t\ is record
+        begin_image : \gc_registers.load_command.begin_image_out_t\;
+        commit : \gc_registers.load_command.commit_out_t\;
+        use_rom : \gc_registers.load_command.use_rom_out_t\;
+    end record;
+
+    type \gc_registers.load_crc.value_out_t\ is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type \gc_registers.load_crc_out_t\ is record
+        value : \gc_registers.load_crc.value_out_t\;
+    end record;
+
+    type \gc_registers.load_word.value_out_t\ is record
+        value : std_logic_vector(31 downto 0);
+        swmod : std_logic;
+    end record;
+
+    type \gc_registers.load_word_out_t\ is record
+        value : \gc_registers.load_word.value_out_t\;
+    end record;
+
     type gc_registers_out_t is record
         control : \gc_registers.control_out_t\;
         command : \gc_registers.command_out_t\;
@@ -527,5 +617,9 @@ package gc_registers_pkg is
         window_high : \gc_registers.window_highx_out_t_array\(0 to 2);
         fault : \gc_registers.fault_out_t\;
         interrupt_status : \gc_registers.interrupt_status_out_t\;
+        load_unlock : \gc_registers.load_unlock_out_t\;
+        load_command : \gc_registers.load_command_out_t\;
+        load_crc : \gc_registers.load_crc_out_t\;
+        load_word : \gc_registers.load_word_out_t\;
     end record;
 end package;

@@ -12,7 +12,8 @@ library work;
 entity gc_system_bench is
   generic (
     lanes_g         : positive := 4;
-    speed_timeout_g : positive := 10_000_000
+    speed_timeout_g : positive := 10_000_000;
+    loadable_g      : boolean := true
   );
   port (
     s_axi_aclk      : in    std_ulogic;
@@ -89,7 +90,8 @@ begin
   i_system : entity work.gc_system
     generic map (
       lanes_g         => lanes_g,
-      speed_timeout_g => speed_timeout_g
+      speed_timeout_g => speed_timeout_g,
+      loadable_g      => loadable_g
     )
     port map (
       s_axi_aclk    => s_axi_aclk,

@@ -1,8 +1,10 @@
 """Driver of gc_system in Python: the twin of host/gravcomp.c, function by function.
 
-A bus is any object with read(offset) -> word and write(offset, word), 32-bit registers at byte offsets.
+A bus is any object with read(offset) -> word and write(offset, word), 32-bit registers at byte offsets. An image is
+what `gravcomp image` writes.
 """
 
+import zlib
 from dataclasses import dataclass, fields
 from enum import IntEnum, IntFlag
 from typing import Protocol
@@ -13,6 +15,8 @@ AXES = 3
 CONTROL_POLLS = 1000
 WORD_MAX = 2**32 - 1
 PERIOD_MAX = 2**31 - 1
+LOAD_KEY = 0x4B455953
+WORDS_PER_KICK = 64
 
 
 class Bus(Protocol):
@@ -24,13 +28,15 @@ class Bus(Protocol):
 
 
 class Result(IntEnum):
-    """Outcome of a call. FAULT: stopped by a fault, see State.fault."""
+    """Outcome of a call. FAULT: stopped by a fault, see State.fault. REFUSED: an image of a wrong length or CRC."""
 
     OK = 0
     NOT_FOUND = 1
     WRONG_VERSION = 2
     TIMEOUT = 3
     FAULT = 4
+    REFUSED = 5
+    NOT_LOADABLE = 6
 
 
 class Brakes(IntEnum):
@@ -216,6 +222,39 @@ class Host:
                 values[name] = self._read(name)
         return State(**values)
 
+    def crc32(self, image: bytes) -> int:
+        return zlib.crc32(image)
+
+    def load(self, image: bytes, crc: int, polls: int) -> Result:
+        if not self._loader("loadable"):
+            return Result.NOT_LOADABLE
+        self._write("load_unlock", LOAD_KEY)
+        self._send_image(image)
+        bank = self._loader("bank")
+        self._write("load_crc", crc)
+        self._command("commit", "load_command")
+        for _ in range(polls):
+            status = self._read("load_status")
+            if self._map["load_status"].field("bank", status) != bank:
+                return Result.OK
+            if self._map["load_status"].field("bad", status):
+                return Result.REFUSED
+        return Result.TIMEOUT
+
+    def use_rom(self, polls: int) -> Result:
+        self._write("load_unlock", LOAD_KEY)
+        self._command("begin_image", "load_command")
+        self._command("use_rom", "load_command")
+        self._write("load_unlock", 0)
+        for _ in range(polls):
+            status = self._read("load_status")
+            if not any(self._map["load_status"].field(name, status) for name in ("bank", "bad")):
+                return Result.OK
+        return Result.TIMEOUT
+
+    def bank_crc(self) -> int:
+        return self._read("bank_crc")
+
     def interrupt_on(self, events: int) -> None:
         self._write("interrupt_enable", events)
 
@@ -236,9 +275,19 @@ class Host:
     def _axes(self, name: str) -> tuple[int, ...]:
         return tuple(word - (word >> 31 << 32) for word in self._words(name))
 
-    def _command(self, name: str) -> None:
-        low, _ = self._map["command"].fields[name]
-        self._write("command", 1 << low)
+    def _loader(self, field: str) -> int:
+        return self._map["load_status"].field(field, self._read("load_status"))
+
+    def _send_image(self, image: bytes) -> None:
+        self._command("begin_image", "load_command")
+        for i in range(len(image) // 4):
+            if i % WORDS_PER_KICK == 0:
+                self.kick()
+            self._write("load_word", int.from_bytes(image[4 * i : 4 * i + 4], "little"))
+
+    def _command(self, name: str, register: str = "command") -> None:
+        low, _ = self._map[register].fields[name]
+        self._write(register, 1 << low)
 
     def _control(self, name: str, value: int) -> Result:
         """Change a field of control; OK once the core has it."""
