@@ -1,7 +1,7 @@
 """Prove the claims of tb/formal about the hardware: for every input, every run, without a bound."""
 
+import os
 import sys
-import time
 from pathlib import Path
 
 from tqdm import tqdm
@@ -43,7 +43,7 @@ induction does not close for `gc_safety` on ECP5, and a multiplier is more than 
 core is [simulated](netlist.md).
 
 """
-HEAD = "| checker | entity | generics | assertions | verdict | s |\n|---|---|---|---|---|---|"
+HEAD = "| checker | entity | generics | assertions | verdict | processor s |\n|---|---|---|---|---|---|"
 
 
 def add_arguments(parser):
@@ -56,9 +56,9 @@ def add_arguments(parser):
 def run(arguments):
     rows, all_hold, total_s = [], True, 0.0
     for claim in tqdm(CLAIMS, desc="formal", delay=2):
-        began = time.perf_counter()
+        began = _processor_s()
         verdict = verify(claim, arguments.rtl, arguments.checkers, arguments.out)
-        seconds = time.perf_counter() - began
+        seconds = _processor_s() - began
         all_hold, total_s = all_hold and verdict.holds, total_s + seconds
         generics = ", ".join(f"{name} = {value}" for name, value in claim.generics.items())
         names = ", ".join(sorted({*verdict.proven, *verdict.broken, *verdict.open}))
@@ -72,3 +72,8 @@ def run(arguments):
         write_atomically(arguments.docs / "formal.md", INTRODUCTION + table + "\n")
     if not all_hold:
         sys.exit(1)
+
+
+def _processor_s() -> float:
+    """Processor time of this process and of those that it waited for: no other load changes it much."""
+    return sum(os.times()[:4])
