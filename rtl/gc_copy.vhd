@@ -1,8 +1,9 @@
 -- SPDX-License-Identifier: MIT
 --
--- out_data = in_data one clock later: a copy for one of several users of the same data, to stand near that user.
+-- out_data = in_data clocks_g clocks later: a copy for one of several users of the same data, to stand near that user,
+-- with a register for each part of a long way there.
 --
--- Synthesis must not merge the copies (keep; for Yosys by name, as GHDL passes no attributes on). Latency: 1 clock.
+-- Synthesis must not merge the copies (keep; for Yosys by name, as GHDL passes no attributes on). Latency: clocks_g.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -11,7 +12,9 @@ library ieee;
 entity gc_copy is
   generic (
     -- Width, bits.
-    bits_g : positive := 18
+    bits_g   : positive := 18;
+    -- Registers one behind the other.
+    clocks_g : positive := 1
   );
   port (
     clk       : in    std_ulogic;
@@ -26,8 +29,10 @@ end entity gc_copy;
 
 architecture rtl of gc_copy is
 
-  signal valid : std_ulogic := '0';
-  signal data  : signed(bits_g - 1 downto 0);
+  type copies_t is array (1 to clocks_g) of signed(bits_g - 1 downto 0);
+
+  signal valid : std_ulogic_vector(1 to clocks_g) := (others => '0');
+  signal data  : copies_t;
 
   attribute keep : string;
   attribute keep of valid : signal is "true";
@@ -39,16 +44,24 @@ begin
   begin
 
     if rising_edge(clk) then
-      valid <= in_valid;
-      data <= in_data;
+      valid(1) <= in_valid;
+      data(1) <= in_data;
+
+      for k in 2 to clocks_g loop
+
+        valid(k) <= valid(k - 1);
+        data(k) <= data(k - 1);
+
+      end loop;
+
       if rst = '1' then
-        valid <= '0';
+        valid <= (others => '0');
       end if;
     end if;
 
   end process p_copy;
 
-  out_valid <= valid;
-  out_data <= data;
+  out_valid <= valid(clocks_g);
+  out_data <= data(clocks_g);
 
 end architecture rtl;
