@@ -50,7 +50,7 @@ entity gc_safety is
     in_saturated          : in    std_ulogic_vector(outputs_c - 1 downto 0);
     -- The command of the axis is the one asked for.
     in_settled            : in    std_ulogic_vector(outputs_c - 1 downto 0);
-    -- Levels: loaded constants fail their CRC, the ROM its hash.
+    -- Levels: an image was refused, the ROM in use is not the one expected.
     in_crc_bad            : in    std_ulogic;
     in_rom_bad            : in    std_ulogic;
     -- Lowest and highest count that is no fault, axis 1 lowest.
