@@ -1,9 +1,8 @@
 -- SPDX-License-Identifier: MIT
 --
--- out_data = in_data clocks_g clocks later: a copy for one of several users of the same data, to stand near that user,
--- with a register for each part of a long way there.
+-- out_data = in_data one clock later: a copy for one of several users of the same data, to stand near that user.
 --
--- Synthesis must not merge the copies (keep; for Yosys by name, as GHDL passes no attributes on). Latency: clocks_g.
+-- Synthesis must not merge the copies (keep; for Yosys by name, as GHDL passes no attributes on). Latency: 1 clock.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -12,9 +11,7 @@ library ieee;
 entity gc_copy is
   generic (
     -- Width, bits.
-    bits_g   : positive := 18;
-    -- Registers one behind the other.
-    clocks_g : positive := 1
+    bits_g : positive := 18
   );
   port (
     clk       : in    std_ulogic;
@@ -29,10 +26,8 @@ end entity gc_copy;
 
 architecture rtl of gc_copy is
 
-  type copies_t is array (1 to clocks_g) of signed(bits_g - 1 downto 0);
-
-  signal valid : std_ulogic_vector(1 to clocks_g) := (others => '0');
-  signal data  : copies_t;
+  signal valid : std_ulogic := '0';
+  signal data  : signed(bits_g - 1 downto 0);
 
   attribute keep : string;
   attribute keep of valid : signal is "true";
@@ -44,24 +39,16 @@ begin
   begin
 
     if rising_edge(clk) then
-      valid(1) <= in_valid;
-      data(1) <= in_data;
-
-      for k in 2 to clocks_g loop
-
-        valid(k) <= valid(k - 1);
-        data(k) <= data(k - 1);
-
-      end loop;
-
+      valid <= in_valid;
+      data <= in_data;
       if rst = '1' then
-        valid <= (others => '0');
+        valid <= '0';
       end if;
     end if;
 
   end process p_copy;
 
-  out_valid <= valid(clocks_g);
-  out_data <= data(clocks_g);
+  out_valid <= valid;
+  out_data <= data;
 
 end architecture rtl;

@@ -6,7 +6,7 @@
 -- Formats: 32-bit counts -> 24 bits, mN. Initiation interval: hidden_c / lanes_g clocks (in_ready); latency from
 -- accepted counts to forces: 14 + ceil(log2(inputs_c + 1)) + ceil(log2(lanes_g)) + hidden_c / lanes_g clocks; with one
 -- lane inputs_c + outputs_c + 2 more, 2 with one axis, as its scalers share a multiplier each; with all neurons at once
--- 19 + ceil(log2(inputs_c + 1)) + ceil(log2(hidden_c + 1)), as the bias is a term of the last sum.
+-- 18 + ceil(log2(inputs_c + 1)) + ceil(log2(hidden_c + 1)), as the bias is a term of the last sum.
 -- Overflow: no intermediate can, for any count. Illegal input: counts outside the trained range are clamped and
 -- flagged; an output that does not fit saturates and is flagged.
 
@@ -54,12 +54,12 @@ architecture rtl of gc_core is
   constant steps_c   : positive := hidden_c / lanes_g;
   -- With 20 clocks per inference one multiplier per scaler is enough.
   constant serial_c  : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
-  -- With all neurons at once the lanes are all over the chip: x and h travel two clocks longer, x to a copy per
-  -- region and on to one per lane.
+  -- With all neurons at once the lanes are all over the chip: x travels two clocks longer, to a copy per region and on
+  -- to one per lane; h one clock.
   constant spread_c  : boolean  := steps_c = 1;
   constant regions_c : positive := 4;
   -- From x to force: copies, lane, activation, output layer, output scaler.
-  constant delay_c   : positive := 4 * boolean'pos(spread_c) + hidden_latency(inputs_c, lanes_g) + 3
+  constant delay_c   : positive := 3 * boolean'pos(spread_c) + hidden_latency(inputs_c, lanes_g) + 3
                                    + (steps_c - 1 + output_latency(lanes_g, steps_c))
                                    + (1 + scale_latency(outputs_c, serial_c));
 
@@ -187,8 +187,7 @@ begin
 
       i_h : entity work.gc_copy
         generic map (
-          bits_g   => operand_bits_c,
-          clocks_g => 2
+          bits_g => operand_bits_c
         )
         port map (
           clk       => clk,

@@ -59,7 +59,7 @@ async def back_to_back(dut):
     is_once = steps == 1
     trees = int(np.ceil(np.log2(fixed.n_axes + 1))) + int(np.ceil(np.log2(lanes + is_once)))
     in_turn = 2 * fixed.n_axes if fixed.n_axes > 1 else 0  # clocks of the shared multipliers
-    extra = 4 if is_once else in_turn + 2 if lanes == 1 else 0
+    extra = 3 if is_once else in_turn + 2 if lanes == 1 else 0
     (latency,) = latencies(got)
     assert latency == 14 + steps + trees + extra
     measured = {"lanes": lanes, "interval": steps, "latency": latency, "simulated_clocks_per_s": round(clocks_per_s)}
