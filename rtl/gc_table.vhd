@@ -67,7 +67,8 @@ architecture rtl of gc_table is
 
   end function table_words;
 
-  constant rom_c : words_t := table_words;
+  constant rom_c   : words_t := table_words;
+  constant zeros_c : std_ulogic_vector(table_g'range) := (others => '0');
 
   signal valid_1    : std_ulogic := '0';
   signal rom_1      : word_t := (others => '0');
@@ -94,7 +95,10 @@ begin
     if rising_edge(clk) then
       valid_1 <= in_valid;
       if in_valid = '1' then
-        rom_1 <= rom_c(to_integer(in_address));
+        -- A table of zeros is not built.
+        if table_g /= zeros_c then
+          rom_1 <= rom_c(to_integer(in_address));
+        end if;
         fraction_1 <= in_fraction;
       end if;
       if rst = '1' then

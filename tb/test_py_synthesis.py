@@ -74,6 +74,25 @@ def test_pinned_roms_are_logic_not_block_ram():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("lanes", "memory", "number"), [(1, "DP16KD", 5), (4, "TRELLIS_DPR16X4", 148)])
+def test_loaded_weights_are_memories(lanes, memory, number, tmp_path):
+    """Block RAM where a lane has many words, distributed RAM where it has few; multipliers as without loading."""
+    verilog = to_verilog(rtl_sources(RTL), TOP, {"lanes_g": lanes, "loadable_g": "true"}, tmp_path / "core.v")
+    cells = synthesise(verilog, TOP, "ecp5", tmp_path, mapping=RTL / MULTIPLIER).cells
+    assert cells[memory] == number
+    assert cells["MULT18X18D"] == pinned()[lanes, "ecp5", "MULT18X18D"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("entity", ["gc_loader", "gc_bank_switch", "gc_compensator"])
+def test_loading_has_no_latch(entity, tmp_path):
+    generics = {"loadable_g": "true"} if entity == "gc_compensator" else {}
+    verilog = to_verilog(rtl_sources(RTL), entity, generics, tmp_path / "entity.v")
+    cells = synthesise(verilog, entity, "generic", tmp_path).cells
+    assert cells.get("$mem_v2", 0) == (9 if entity == "gc_compensator" else 0)
+
+
+@pytest.mark.slow
 def test_clock_of_one_lane_is_above_its_floor(tmp_path):
     prepare()
     netlist = core(1, "ecp5", tmp_path, registered=True).json
