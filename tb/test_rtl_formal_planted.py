@@ -59,8 +59,8 @@ PLANTED = [
         ("or in_fault;", "or in_fault(causes_c - 2 downto 0) & in_fault(causes_c - 1);", "no_cause_comes_of_itself"),
     ]),
     ("top", "gc_top", [
-        ("start <= in_valid and counts_valid;", "start <= in_valid and counts_valid and not cfg_clear;", "none_lost"),
-        ("in_ready <= core_ready and counts_valid;", "in_ready <= core_ready;", "reset_waits_for_the_encoders"),
+        ("start <= in_valid and", "start <= in_valid and not cfg_clear and", "none_lost"),
+        ("in_ready <= core_ready and counts_valid and", "in_ready <= core_ready and", "reset_waits_for_the_encoders"),
         ("valid <= current_valid;\n", "valid <= current_valid or cfg_clear;\n", "none_invented"),
         ("if current_valid = '1' then", "if force_valid = '1' then", "command_holds_between_results"),
         ("        out_force <= (others => '0');\n", "", "reset_takes_the_command_to_zero"),
@@ -69,8 +69,8 @@ PLANTED = [
     ("input_clamp", "gc_input_scaler", [
         ("truncate(count, count_shift_c, operand_bits_c)", "truncate(count, count_shift_c + 1, operand_bits_c)",
          "counts_in_range_are_multiplied_whole"),
-        ("x_v := high_x_c;", "x_v := low_x_c;", "counts_outside_are_clamped"),
-        ("count < count_low_c(i)", "count <= count_low_c(i)", "clamped_counts_are_flagged"),
+        ("x_v := used.x_high(", "x_v := used.x_low(", "counts_outside_are_clamped"),
+        ("if count < used.count_low(", "if count <= used.count_low(", "clamped_counts_are_flagged"),
     ]),
     *((checker, "gc_fixed_pkg", [
         ("limit_v := (others => not value_a(value_a'high));", "limit_v := (others => value_a(value_a'high));", clipped),
