@@ -224,9 +224,10 @@ def test_host_example_loads_homes_releases_and_prints_forces():
     image, path = image_of(folder), folder / "image.bin"
     assert main(["image", "--weights", str(folder), "--out", str(path)]) == 0
     simulate_host("example", IMAGE=str(path))
-    log = next(BUILD.glob("tb/test_rtl_host-example*/run.log")).read_text()
+    log = next(BUILD.glob("tb/test_rtl_host-example-lanes_g1-*/run.log")).read_text()
     assert f"image of {len(image.words)} words, CRC-32 {image.crc32:08x}" in log
     lines = [line for line in log.splitlines() if " N " in line]
+    assert lines
     position = np.array([2] * 3)
     network_mn = bittrue.core(position, image.network).force_mn
     force_n = compensator(network_mn, position, np.array([STILL] * 3), image.compensation)[0] / 1e3
