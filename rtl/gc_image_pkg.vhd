@@ -158,25 +158,29 @@ package body gc_image_pkg is
     variable scalars_v : scalars_t;
     variable low_v     : natural := 0;
 
+    -- The next field.
+
+    procedure take (
+      variable field_v : out signed
+    ) is
+    begin
+
+      field_v := signed(bits(low_v + field_v'length - 1 downto low_v));
+      low_v := low_v + field_v'length;
+
+    end procedure take;
+
   begin
 
-    scalars_v.count_low := signed(bits(low_v + scalars_v.count_low'length - 1 downto low_v));
-    low_v := low_v + scalars_v.count_low'length;
-    scalars_v.count_high := signed(bits(low_v + scalars_v.count_high'length - 1 downto low_v));
-    low_v := low_v + scalars_v.count_high'length;
-    scalars_v.x_low := signed(bits(low_v + scalars_v.x_low'length - 1 downto low_v));
-    low_v := low_v + scalars_v.x_low'length;
-    scalars_v.x_high := signed(bits(low_v + scalars_v.x_high'length - 1 downto low_v));
-    low_v := low_v + scalars_v.x_high'length;
-    scalars_v.input_scale := signed(bits(low_v + scalars_v.input_scale'length - 1 downto low_v));
-    low_v := low_v + scalars_v.input_scale'length;
-    scalars_v.output_bias := signed(bits(low_v + scalars_v.output_bias'length - 1 downto low_v));
-    low_v := low_v + scalars_v.output_bias'length;
-    scalars_v.output_scale := signed(bits(low_v + scalars_v.output_scale'length - 1 downto low_v));
-    low_v := low_v + scalars_v.output_scale'length;
-    scalars_v.current_scale := signed(bits(low_v + scalars_v.current_scale'length - 1 downto low_v));
-    low_v := low_v + scalars_v.current_scale'length;
-    scalars_v.phase_step := signed(bits(low_v + scalars_v.phase_step'length - 1 downto low_v));
+    take(scalars_v.count_low);
+    take(scalars_v.count_high);
+    take(scalars_v.x_low);
+    take(scalars_v.x_high);
+    take(scalars_v.input_scale);
+    take(scalars_v.output_bias);
+    take(scalars_v.output_scale);
+    take(scalars_v.current_scale);
+    take(scalars_v.phase_step);
     return scalars_v;
 
   end function scalars_of;

@@ -17,6 +17,7 @@ from gravcomp.peers.measure import measure
 from gravcomp.peers.ours import core_error, core_rows
 from gravcomp.proof.pictures import save_figure
 from gravcomp.robot.parameters import load_parameters
+from gravcomp.synthesis.survey import SEEDS, SPEEDS
 
 N_POSES, SEED = 2000, 51
 # Folder, activation, adders between registers: the quickest answer, the highest clock, and no multiplier.
@@ -31,8 +32,8 @@ def add_arguments(parser):
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="weights folder")
     parser.add_argument("--build", type=Path, default=Path("build"), help="folder of gravcomp synth and for new files")
     parser.add_argument("--docs", type=Path, help="folder whose peers.md and picture are to be renewed")
-    parser.add_argument("--speeds", type=int, nargs="+", default=[6, 8], choices=[6, 7, 8], help="speed grades")
-    parser.add_argument("--seeds", type=int, default=3, help="placements per design and speed grade")
+    parser.add_argument("--speeds", type=int, nargs="+", default=list(SPEEDS), choices=[6, 7, 8], help="speed grades")
+    parser.add_argument("--seeds", type=int, default=len(SEEDS), help="placements per design and speed grade")
 
 
 def run(arguments):

@@ -24,9 +24,9 @@ def run(arguments):
     if arguments.jobs < 1:
         raise InputError(f"--jobs {arguments.jobs}: need one or more")
     results = survey(sorted(set(arguments.lanes)), arguments.rtl, arguments.build, arguments.jobs)
-    text = tables(results)
+    text, figure = tables(results), picture(results)
     print(text)
-    save_figure(picture(results), arguments.build / "synth" / "synthesis.png")
+    save_figure(figure, arguments.build / "synth" / "synthesis.png")
     if arguments.docs:
         renew(arguments.docs / "synthesis.md", "synth", text)
-        save_figure(picture(results), arguments.docs / "figures" / "synthesis.png")
+        save_figure(figure, arguments.docs / "figures" / "synthesis.png")
