@@ -2,6 +2,7 @@
 
 import pytest
 
+from gravcomp.mutation import trial
 from gravcomp.mutation.campaign import markdown, plan, reasons
 from gravcomp.mutation.mutants import Mutant, candidates, draw
 from gravcomp.mutation.trial import CAUGHT, INVALID, SURVIVED, TIMEOUT, Outcome, relevant_tests, run_tests, try_mutant
@@ -28,11 +29,13 @@ end architecture rtl;
 DELAY = "stages(i) <= stages(i - 1);"
 
 
+def mutant_of(entity: str, good: str, bad: str) -> Mutant:
+    lines = (ROOT / "rtl" / f"{entity}.vhd").read_text().split("\n")
+    return Mutant(entity, 1 + next(k for k, line in enumerate(lines) if line.strip() == good), good, bad, "constant")
+
+
 def in_delay(bad: str) -> Mutant:
-    lines = (ROOT / "rtl" / "gc_delay.vhd").read_text().split("\n")
-    return Mutant(
-        "gc_delay", 1 + next(k for k, line in enumerate(lines) if line.strip() == DELAY), DELAY, bad, "constant"
-    )
+    return mutant_of("gc_delay", DELAY, bad)
 
 
 def test_candidates_are_in_code_only():
@@ -85,6 +88,12 @@ def test_mutant_of_the_delay(bad, result):
     outcome = try_mutant(in_delay(bad), ROOT, ["test_rtl_delay.py"], 300.0)
     assert outcome.result == result, outcome
     assert outcome.test.startswith("test_rtl_delay.py") == (result == CAUGHT)
+
+
+def test_time_limit_ends_an_elaboration(monkeypatch):
+    monkeypatch.setattr(trial, "COMPILE_TIMEOUT_S", 10.0)
+    endless = mutant_of("gc_fixed_pkg", "depth_v := depth_v + 1;", "null;")
+    assert try_mutant(endless, ROOT, [], 300.0).result == INVALID
 
 
 def test_time_limit_ends_the_tests(tmp_path):

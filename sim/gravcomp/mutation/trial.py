@@ -14,6 +14,8 @@ from pathlib import Path
 from gravcomp.mutation.mutants import Mutant
 
 CAUGHT, TIMEOUT, SURVIVED, INVALID = "caught", "time-out", "survived", "does not compile"
+# For each of analysis and elaboration, which take a second or two: a loop in a function may have lost its end.
+COMPILE_TIMEOUT_S = 60.0
 # Proofs of the unchanged claims; the faults that these files plant themselves have nothing to do with a mutant.
 _PROOFS = ("test_rtl_formal_planted.py", "test_rtl_formal.py")
 # Netlists, figures and long runs of what other files test.
@@ -97,10 +99,12 @@ def _run_marked(root: Path, rtl: Path, build: Path, files: Sequence[str], marker
 
 
 def _compiles(rtl: Path, work: str) -> bool:
-    """Whether GHDL analyses the files and elaborates gc_system, which holds every entity."""
+    """Whether GHDL analyses the files and elaborates gc_system, which holds every entity, in COMPILE_TIMEOUT_S each."""
     files = [str(rtl / name) for name in (rtl / "sources.f").read_text().split()]
     options = ["--std=08", f"--workdir={work}"]
     for command in (["-a", *options, *files], ["--elab-run", *options, "gc_system", "--stop-time=0ns"]):
-        if subprocess.run(["ghdl", *command], cwd=work, capture_output=True, check=False).returncode:
+        try:
+            subprocess.run(["ghdl", *command], cwd=work, capture_output=True, check=True, timeout=COMPILE_TIMEOUT_S)
+        except (subprocess.CalledProcessError, subprocess.TimeoutExpired):
             return False
     return True
