@@ -1,11 +1,15 @@
 """The host of gc_system in a test: register accesses by name over AXI4-Lite."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 
 from cocotb.task import resume
+from cocotb.triggers import SimTimeoutError, with_timeout
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp
 
 from gravcomp.system.registers import read_registers
+
+# A core that does not answer in this time never will: the test ends instead of waiting.
+ANSWER_US = 100
 
 
 class BusError(RuntimeError):
@@ -21,6 +25,7 @@ class Registers:
         for channel in (self.master.write_if, self.master.read_if):
             channel.log.setLevel("WARNING")
         self.map = read_registers()
+        self.is_silent = False
 
     def pause(self, pauses: Callable[[], Iterator[bool]]) -> None:
         """Stall each channel in the clocks in which its own iterator of pauses says True."""
@@ -29,14 +34,24 @@ class Registers:
         for channel in channels:
             channel.set_pause_generator(pauses())
 
+    async def _answer(self, access: Coroutine):
+        if self.is_silent:
+            access.close()
+            raise BusError("no access is tried after one without an answer")
+        try:
+            return await with_timeout(access, ANSWER_US, "us")
+        except SimTimeoutError:
+            self.is_silent = True
+            raise
+
     async def read_at(self, address: int) -> int:
-        answer = await self.master.read(address, 4)
+        answer = await self._answer(self.master.read(address, 4))
         if answer.resp != AxiResp.OKAY:
             raise BusError(f"read at {address:#x}: {answer.resp.name}")
         return int.from_bytes(answer.data, "little")
 
     async def write_at(self, address: int, word: int) -> None:
-        answer = await self.master.write(address, (word & 0xFFFFFFFF).to_bytes(4, "little"))
+        answer = await self._answer(self.master.write(address, (word & 0xFFFFFFFF).to_bytes(4, "little")))
         if answer.resp != AxiResp.OKAY:
             raise BusError(f"write at {address:#x}: {answer.resp.name}")
 

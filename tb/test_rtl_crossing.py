@@ -96,7 +96,7 @@ async def run(dut, mhz: tuple[float, float], gap: float, seed: int) -> tuple[Tra
     return traffic, periods
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=2, timeout_unit="ms")
 @cocotb.parametrize(mhz=MHZ, gap=[0.0, 0.6])
 async def every_word_arrives_once(dut, mhz, gap):
     traffic, (in_fs, out_fs) = await run(dut, mhz, gap, seed=11)
@@ -111,7 +111,7 @@ async def every_word_arrives_once(dut, mhz, gap):
         assert np.diff(traffic.taken_fs).max() <= round_trip
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=2, timeout_unit="ms")
 @cocotb.parametrize(mhz=MHZ)
 async def held_word_is_stable_when_it_is_taken(dut, mhz):
     """Tearing needs a change near the taking edge: half a clock before it is read here at the falling edge."""
@@ -125,7 +125,7 @@ async def held_word_is_stable_when_it_is_taken(dut, mhz):
     assert min(until) > 0
 
 
-@cocotb.test()
+@cocotb.test(timeout_time=2, timeout_unit="ms")
 async def reset_clears_the_word_and_loses_no_later_one(dut):
     _, periods = await run(dut, (40, 33.333), 0.0, seed=13)
     assert dut.out_data.value != 0

@@ -144,6 +144,9 @@ async def refusals(dut):
     await clock()
     dut.rst.value = 0
     assert not await is_accepted(words, crc32, begins=False), "a reset ends the loading"
+    dut.rst.value = 1
+    await clock()
+    assert dut.sts_bad.value == 0, "a reset forgets the refusal"
 
 
 @pytest.mark.parametrize("lanes", [1, 4, pytest.param(20, marks=pytest.mark.slow)])
