@@ -182,6 +182,7 @@ async def core_without_banks(dut):
     """It says so, and refuses every image."""
     system, _ = await start(dut, axi_mhz=40)
     assert await system.registers.read("load_status") == 0
+    assert await system.registers.read("bank_crc") == 0
     await system.registers.write("load_unlock", KEY)
     await system.registers.write("load_command", BEGIN)
     await system.registers.write("load_command", COMMIT)
