@@ -20,6 +20,7 @@ from runner import BENCHES, simulate
 
 N_AXES = 3
 ALL_FAULTS = 0x3FF
+KICK = 2  # of command
 STATES = {"braked": 0, "holding": 3, "run": 5, "fault": 6}
 CONTROL_PERIOD_US = 100  # of a control loop at 10 kHz
 
@@ -101,7 +102,7 @@ class System:
         counts = np.array([2002, -3002, 4002])
         await self.home_near(counts)
         await self.registers.write("control", 7 << 4 | 2)
-        await self.registers.write("command", 2)
+        await self.registers.write("command", KICK)
         await self.clocks(250)
         await self.registers.write("fault", ALL_FAULTS)
         await self.wait_for_state("braked")
@@ -375,7 +376,7 @@ async def brakes_and_faults(dut):
     assert (dut.brake_release.value, dut.drive_enable.value, dut.drive_current.value) == (0, 0, 0)
     await registers.write("fault", 1 << 7)
     await system.wait_for_state("fault")
-    await registers.write("command", 2)
+    await registers.write("command", KICK)
     await registers.write("fault", ALL_FAULTS & ~(1 << 7))
     await system.clocks(50)
     await registers.read("result_number")
@@ -406,6 +407,25 @@ async def record_commands(dut, commands: list) -> None:
         await FallingEdge(dut.clk)
         if dut.drive_valid.value == 1:
             commands.append(unpack([int(dut.drive_current.value)], 32, N_AXES)[0].tolist())
+
+
+@cocotb.test()
+async def a_command_lasts_one_clock(dut):
+    """A longer one would forget a fault that comes right behind it, or start twice."""
+    system = System(dut)
+    await system.start(axi_mhz=40)
+    kicks = []
+
+    async def watch() -> None:
+        while True:
+            await system.clocks(1)
+            kicks.append(int(dut.i_system.i_controller.kick.value))
+
+    cocotb.start_soon(watch())
+    for n in range(1, 4):
+        await system.registers.write("command", KICK)
+        await system.clocks(60)
+        assert sum(kicks) == n
 
 
 @cocotb.test()
@@ -441,7 +461,7 @@ async def every_limit_has_its_cause(dut):
 async def expect_cause(system: System, expected: int) -> None:
     for _ in range(20):
         if expected == 0:
-            await system.registers.write("command", 2)
+            await system.registers.write("command", KICK)
         await system.registers.read("result_number")
         cause = await system.registers.read("cause")
         if cause == expected:
@@ -558,7 +578,9 @@ def simulate_system(*tests: str, lanes: int = 4) -> None:
 
 
 def test_system_registers_follow_their_map():
-    simulate_system("register_map", "bus_that_stalls", "addresses_without_a_register", lanes=1)
+    simulate_system(
+        "register_map", "bus_that_stalls", "addresses_without_a_register", "a_command_lasts_one_clock", lanes=1
+    )
 
 
 @pytest.mark.slow
