@@ -23,7 +23,7 @@ sim: setup ## the main job: robot poses through the encoder pins of the VHDL und
 formal: setup ## what is proven about the hardware, for every input and without a bound; docs/formal.md says how
 	@$(RUN)/gravcomp formal --docs docs
 
-mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each? Half an hour; docs/mutation.md
+mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each? Two hours; docs/mutation.md
 	@$(RUN)/gravcomp mutate --docs docs
 
 coverage: ## the statements of the VHDL that the tests run; docs/coverage.md
