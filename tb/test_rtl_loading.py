@@ -14,7 +14,7 @@ from axi import BusError, SimulatedBus
 from gravcomp.system.host import Brakes, Host, Result
 from loading import image_of, other_weights
 from runner import BENCHES, BUILD, simulate
-from test_rtl_system import ALL_FAULTS, System, assert_bit_true
+from test_rtl_system import ALL_FAULTS, KICK, System, assert_bit_true
 
 KEY = 0x4B455953
 BEGIN, COMMIT, ROM = 1, 2, 4  # bits of load_command
@@ -103,7 +103,7 @@ async def every_word_arrives_once_in_order(dut, mhz):
     await registers.write("load_command", BEGIN)
     for word in words:
         if rng.random() < 0.2:
-            await registers.write("command", 2)
+            await registers.write("command", KICK)
         await registers.write("load_word", word)
     await registers.write("load_crc", 0xDEADBEEF)
     await registers.write("load_command", COMMIT)
