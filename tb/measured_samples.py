@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from gravcomp.measured.measurement import Measurement
+from gravcomp.logs.measurement import Measurement
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.robot.statics import holding_forces_at
 

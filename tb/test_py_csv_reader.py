@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gravcomp.errors import InputError
-from gravcomp.measured.csv_reader import MIN_SAMPLES, read_measurement
+from gravcomp.logs.csv_reader import MIN_SAMPLES, read_measurement
 from measured_samples import MOTION_M, MOTION_RAD_PER_S, P, holds, motion
 
 DATA = holds(40, 1)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from gravcomp.cli import main
-from gravcomp.measured.csv_reader import read_measurement
-from gravcomp.measured.diagnosis import diagnose
-from gravcomp.measured.model import Model, load_model, model_toml
-from gravcomp.measured.report import report
+from gravcomp.diagnosis.diagnosis import diagnose
+from gravcomp.diagnosis.model import Model, load_model, model_toml
+from gravcomp.diagnosis.report import report
+from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.robot.kinematics import inverse_kinematics
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.robot.statics import holding_forces_at

@@ -13,14 +13,14 @@ from scipy.linalg import expm
 from scipy.stats import binom, chi2
 
 from codes import ROOT
+from gravcomp.diagnosis import effects as registry
+from gravcomp.diagnosis.effects import EFFECTS, NAMES, effect_named
+from gravcomp.diagnosis.fit import fit_terms
+from gravcomp.diagnosis.model import Model
+from gravcomp.diagnosis.periodogram import find_lines, pitch_of
+from gravcomp.diagnosis.search import Term
 from gravcomp.errors import InputError
-from gravcomp.measured import effects as registry
-from gravcomp.measured.effects import EFFECTS, NAMES, effect_named
-from gravcomp.measured.fit import fit_terms
-from gravcomp.measured.measurement import Measurement
-from gravcomp.measured.model import Model
-from gravcomp.measured.scan import find_lines, pitch_of
-from gravcomp.measured.search import Term
+from gravcomp.logs.measurement import Measurement
 from gravcomp.robot.kinematics import direct_kinematics
 from gravcomp.robot.statics import holding_forces_at
 from measured_samples import MOTION_M, MOTION_RAD_PER_S, P, arm, holds, motion, sampled

@@ -10,14 +10,14 @@ from tqdm import tqdm
 
 from gravcomp.cli import main
 from gravcomp.errors import InputError
-from gravcomp.measured.experiment import hold_poses, log_csv, measure
-from gravcomp.measured.experiment_effects import EFFECTS, LISTED, UNLISTED
-from gravcomp.measured.experiment_plant import Plant
-from gravcomp.measured.field import hold_field
+from gravcomp.prototype.experiment import hold_poses, log_csv, measure
+from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED
+from gravcomp.prototype.plant import Plant
 from gravcomp.robot.kinematics import PoseError, direct_kinematics, inverse_kinematics, jacobian, passive_jacobian
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.robot.statics import holding_forces_at
 from gravcomp.robot.workspace import sample_workspace
+from gravcomp_lab.paper.field import hold_field
 
 P = load_parameters()
 MOTION_SEED = 91  # all axes move

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from codes import ROOT
+from gravcomp.diagnosis.effects import NAMES, effect_named
+from gravcomp.diagnosis.model import Model
 from gravcomp.errors import InputError
-from gravcomp.measured.effects import NAMES, effect_named
-from gravcomp.measured.hardware import compensation_from_effects
-from gravcomp.measured.measurement import Measurement
-from gravcomp.measured.model import Model
-from gravcomp.measured.retraining import augmented_set, retrained
+from gravcomp.logs.measurement import Measurement
+from gravcomp.loop.placement import compensation_from_effects
+from gravcomp.loop.retraining import augmented_set, retrained
 from gravcomp.network.weights import load_network
 from gravcomp.robot.parameters import load_parameters
 from gravcomp.robot.statics import holding_forces_at

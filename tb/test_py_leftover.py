@@ -5,13 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from gravcomp.measured.effects.coulomb_friction import CoulombFriction
-from gravcomp.measured.effects.thermal_drift import ThermalDrift
-from gravcomp.measured.empirical import Correction
-from gravcomp.measured.fit import Entry, Fit
-from gravcomp.measured.leftover import drivers, find
-from gravcomp.measured.search import Term
-from gravcomp.measured.split import block_labels
+from gravcomp.diagnosis.corrections import Correction
+from gravcomp.diagnosis.effects.coulomb_friction import CoulombFriction
+from gravcomp.diagnosis.effects.thermal_drift import ThermalDrift
+from gravcomp.diagnosis.fit import Entry, Fit
+from gravcomp.diagnosis.leftover import drivers, find
+from gravcomp.diagnosis.search import Term
+from gravcomp.diagnosis.split import block_labels
 from measured_samples import holds, motion
 
 HOLDS, MOTION = holds(600, 1), motion(1200)

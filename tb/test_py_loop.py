@@ -9,7 +9,7 @@ import pytest
 
 from codes import ROOT
 from gravcomp.cli import main
-from gravcomp.measured.loop import SAMPLES
+from gravcomp.loop.loop import SAMPLES
 from gravcomp.network.compensation_csv import load_compensation
 from gravcomp.network.weights import load_network
 from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gravcomp.diagnosis.split import TEST_SHARE, block_labels, held_out
 from gravcomp.errors import InputError
-from gravcomp.measured.split import TEST_SHARE, block_labels, held_out
 from measured_samples import holds, motion
 
 DATA = {"motion": motion(1000), "few in motion": motion(60), "holds": holds(400, 1), "few holds": holds(40, 2)}

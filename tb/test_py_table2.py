@@ -4,13 +4,18 @@ import numpy as np
 import pytest
 
 from gravcomp.cli import main
-from gravcomp.measured.effects.coulomb_friction import CoulombFriction
-from gravcomp.measured.field import APPROACHES, hold_field
-from gravcomp.measured.field_core import FieldCore, build_core
-from gravcomp.measured.fine_tuning import WAYS, fine_tune, tune_by_validation
-from gravcomp.measured.fit import Entry, Fit
-from gravcomp.measured.search import Term
-from gravcomp.measured.table2 import (
+from gravcomp.diagnosis.effects.coulomb_friction import CoulombFriction
+from gravcomp.diagnosis.fit import Entry, Fit
+from gravcomp.diagnosis.search import Term
+from gravcomp.network.activation import gamma
+from gravcomp.network.weights import load_network
+from gravcomp.robot.kinematics import inverse_kinematics
+from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.workspace import sample_workspace
+from gravcomp_lab.paper.field import APPROACHES, hold_field
+from gravcomp_lab.paper.field_core import FieldCore, build_core
+from gravcomp_lab.paper.fine_tuning import WAYS, fine_tune, tune_by_validation
+from gravcomp_lab.paper.table2 import (
     ANALYTIC,
     FIELD,
     HOLDS,
@@ -25,11 +30,6 @@ from gravcomp.measured.table2 import (
     markdown,
     table2,
 )
-from gravcomp.network.activation import gamma
-from gravcomp.network.weights import load_network
-from gravcomp.robot.kinematics import inverse_kinematics
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.workspace import sample_workspace
 
 P = load_parameters()
 NETWORK = load_network("weights/spheiro")

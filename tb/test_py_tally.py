@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from gravcomp.measured import blind_prototype
-from gravcomp.measured.blind import CASES, ONE_EFFECT, draw
-from gravcomp.measured.diagnosis import diagnose
-from gravcomp.measured.tally import (
+from gravcomp.diagnosis.diagnosis import diagnose
+from gravcomp_lab.blind import from_prototype
+from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT, draw
+from gravcomp_lab.blind.tally import (
     AFTER_LIMIT,
     Outcome,
     confusion_png,
@@ -130,8 +130,8 @@ def test_picture_shows_a_pair_of_which_one_was_named_as_one_hit_and_one_miss():
 
 
 def test_every_kind_is_run_with_every_seed(monkeypatch, tmp_path):
-    monkeypatch.setattr("gravcomp.measured.tally.run_model_case", lambda kind, seed: (kind, seed))
-    monkeypatch.setattr("gravcomp.measured.tally.run_prototype_case", lambda folder, kind, seed: (folder, kind, seed))
+    monkeypatch.setattr("gravcomp_lab.blind.tally.run_model_case", lambda kind, seed: (kind, seed))
+    monkeypatch.setattr("gravcomp_lab.blind.tally.run_prototype_case", lambda folder, kind, seed: (folder, kind, seed))
     ran = run_all(2, 1, 30, tmp_path, 1)
     assert ran == [(kind, seed) for kind in CASES for seed in (30, 31)] + [(tmp_path, kind, 30) for kind in CASES]
 
@@ -144,7 +144,7 @@ def test_run_compares_what_was_named_with_the_sealed_answer(monkeypatch):
     case = SimpleNamespace(
         data=data, truth=("coulomb_friction",), axes=(0, 1, 2), noise=noise, machine="holds", ratio=5.0
     )
-    monkeypatch.setattr("gravcomp.measured.blind.draw", lambda kind, seed: case)
+    monkeypatch.setattr("gravcomp_lab.blind.from_model.draw", lambda kind, seed: case)
     outcome = run_model_case("listed", 9)
     assert (outcome.kind, outcome.seed, outcome.n_samples) == ("listed", 9, 200)
     assert (outcome.truth, outcome.named, outcome.is_right) == (("coulomb_friction",), ("coulomb_friction",), True)
@@ -153,16 +153,16 @@ def test_run_compares_what_was_named_with_the_sealed_answer(monkeypatch):
 
 
 def test_prototype_is_measured_once_and_its_seal_opened_after_the_diagnosis(monkeypatch, tmp_path):
-    monkeypatch.setitem(blind_prototype.POINTS, "static", 60)
-    monkeypatch.setattr("gravcomp.measured.blind_prototype.MODES", ("static",))
-    opened, diagnosed = blind_prototype.open_seal, []
+    monkeypatch.setitem(from_prototype.POINTS, "static", 60)
+    monkeypatch.setattr("gravcomp_lab.blind.from_prototype.MODES", ("static",))
+    opened, diagnosed = from_prototype.open_seal, []
 
     def open_after(path):
         assert diagnosed, "the seal is opened after the diagnosis"
         return opened(path)
 
-    monkeypatch.setattr("gravcomp.measured.blind_prototype.open_seal", open_after)
-    monkeypatch.setattr("gravcomp.measured.tally.diagnose", lambda *a: diagnosed.append(a) or diagnose(*a))
+    monkeypatch.setattr("gravcomp_lab.blind.from_prototype.open_seal", open_after)
+    monkeypatch.setattr("gravcomp_lab.blind.tally.diagnose", lambda *a: diagnosed.append(a) or diagnose(*a))
     outcome = run_prototype_case(tmp_path, "clean", 3)
     log = (tmp_path / "clean_3.csv").read_bytes()
     assert (outcome.source, outcome.truth, outcome.machine, outcome.n_samples) == ("prototype", (), "static", 60)

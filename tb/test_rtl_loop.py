@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 
 from codes import ROOT, fixed_compensation, fixed_network, pack, unpack
+from gravcomp.diagnosis.model import Model
 from gravcomp.errors import InputError
-from gravcomp.measured.csv_reader import read_measurement
-from gravcomp.measured.loop import (
+from gravcomp.logs.csv_reader import read_measurement
+from gravcomp.logs.measurement import Measurement
+from gravcomp.loop.loop import (
     RUNS,
     SAMPLES,
     answer_file,
@@ -26,8 +28,6 @@ from gravcomp.measured.loop import (
     generated_folder,
     weights_folder,
 )
-from gravcomp.measured.measurement import Measurement
-from gravcomp.measured.model import Model
 from gravcomp.network import bittrue
 from gravcomp.network.compensation import compensator
 from gravcomp.network.quantise import COUNT_BITS, FORCE_BITS

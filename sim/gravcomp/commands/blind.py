@@ -8,7 +8,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from gravcomp.files import write_all_atomically
-from gravcomp.measured import tally
+from gravcomp_lab.blind import tally
 
 
 def add_arguments(parser):

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from gravcomp.diagnosis.diagnosis import diagnose
+from gravcomp.diagnosis.model import Model, load_model, model_toml
+from gravcomp.diagnosis.report import report, report_json, table
+from gravcomp.diagnosis.report_html import report_html
 from gravcomp.files import write_all_atomically
-from gravcomp.measured.csv_reader import read_measurement
-from gravcomp.measured.diagnosis import diagnose
-from gravcomp.measured.html import report_html
-from gravcomp.measured.model import Model, load_model, model_toml
-from gravcomp.measured.report import report, report_json, table
+from gravcomp.logs.csv_reader import read_measurement
 
 _STEPS = 7
 

@@ -6,7 +6,7 @@ emps: DATA_EMPS.mat; anticogging: stopped_data.txt. The header of the CSV states
 from pathlib import Path
 
 from gravcomp.files import write_atomically
-from gravcomp.measured.importers import IMPORTERS
+from gravcomp.logs.importers import IMPORTERS
 
 
 def add_arguments(parser):

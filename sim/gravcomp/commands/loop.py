@@ -9,11 +9,11 @@ import hashlib
 from pathlib import Path
 
 from gravcomp.commands import diagnose as diagnose_command
+from gravcomp.diagnosis.model import Model, load_model
+from gravcomp.diagnosis.report import report
 from gravcomp.files import write_all_atomically
-from gravcomp.measured.csv_reader import read_measurement
-from gravcomp.measured.loop import check_robot, close_loop, weights_folder
-from gravcomp.measured.model import Model, load_model
-from gravcomp.measured.report import report
+from gravcomp.logs.csv_reader import read_measurement
+from gravcomp.loop.loop import check_robot, close_loop, weights_folder
 from gravcomp.network.provenance import write_provenance
 
 

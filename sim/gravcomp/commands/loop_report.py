@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from gravcomp.measured.loop import RUNS, error_table, noise_floor_n
+from gravcomp.loop.loop import RUNS, error_table, noise_floor_n
 
 
 def add_arguments(parser):

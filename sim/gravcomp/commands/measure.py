@@ -6,8 +6,8 @@ The CSV tells nothing of what was put in; LOG.sealed.json does, and no diagnosis
 import numpy as np
 
 from gravcomp.errors import InputError
-from gravcomp.measured.experiment import DEFAULT_NOISE_N, MODES, measure, write_measurement
-from gravcomp.measured.experiment_effects import EFFECTS, LISTED, UNLISTED, Effect
+from gravcomp.prototype.experiment import DEFAULT_NOISE_N, MODES, measure, write_measurement
+from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED, Effect
 from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
 
 # Inertia is asked for by name, with a --speed that shows it.

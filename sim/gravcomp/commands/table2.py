@@ -5,9 +5,9 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
-from gravcomp.measured.table2 import Sizes, findings, markdown, table2
 from gravcomp.network.weights import load_network
 from gravcomp.robot.parameters import load_parameters
+from gravcomp_lab.paper.table2 import Sizes, findings, markdown, table2
 
 _HEADER = """# Table 2 of the paper, repeated
 

@@ -1,0 +1,66 @@
+"""Play between encoder and joint: the joint lags by half the gap."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, needs_function, needs_velocity
+
+
+class Backlash(Effect):
+    """f_model(q - gap/2 z) - f_model(q) with z = sign(v); with a travel, z takes it to change sign in motion."""
+
+    name = "backlash"
+    follows = "dir"
+    equation = "f_model(q - gap/2 sign(v)) - f_model(q)"
+    hardware = "none"
+    units = {"gap": "[q]", "travel": "[q]"}  # noqa: RUF012
+    positive = ("gap",)
+    per_axis = False
+    complexity = 2.0
+
+    def unavailable(self, data):
+        return needs_velocity(data) or needs_function(data)
+
+    def groups(self, labels):
+        return [{label} for label in labels]
+
+    def columns(self, data, shape):
+        lag = -0.5 * data.sensitivity * _side(data, shape)[:, None, :]
+        return {f"gap_{j + 1}": lag[..., j] for j in range(data.n_axes)}
+
+    def predict(self, data, parameters):
+        gap = np.array([parameters.get(f"gap_{j + 1}", 0.0) for j in range(data.n_axes)])
+        return data.force_at(data.q - 0.5 * gap * _side(data, parameters)) - data.force_at(data.q)
+
+
+class BacklashInMotion(Backlash):
+    """Backlash of which the data shows the travel: the encoder crosses the gap before the joint follows."""
+
+    complexity = 4.0
+
+    def unavailable(self, data):
+        return super().unavailable(data) or ("" if data.is_motion.mean() > 0.3 else "no motion along time")
+
+    def shapes(self, data):
+        stroke = np.ptp(data.q, axis=0)
+        fractions = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
+        return [{f"travel_{j + 1}": f * stroke[j] for j in range(data.n_axes)} for f in fractions]
+
+
+def _side(data, parameters) -> np.ndarray:
+    """z (n, k), -1..1: on which side of its gap each joint is."""
+    side = data.direction.copy()
+    for j in range(data.n_axes):
+        if f"travel_{j + 1}" in parameters:
+            side[:, j] = _crossing(data, j, parameters[f"travel_{j + 1}"])
+    return side
+
+
+def _crossing(data, axis: int, travel: float) -> np.ndarray:
+    """z along time, the play operator: dz = 2 dq/travel within -1..1. Holds were approached over more than the gap."""
+    step = 2.0 * np.diff(data.q[:, axis], prepend=data.q[0, axis]) / max(travel, 1e-12)
+    z, moving, hold = np.empty(len(step)), data.is_motion, data.direction[:, axis]
+    state = float(hold[0])
+    for k, change in enumerate(step.tolist()):
+        state = min(max(state + change, -1.0), 1.0) if moving[k] else hold[k]
+        z[k] = state
+    return z

@@ -1,0 +1,40 @@
+"""Coulomb friction, symmetric or different by direction."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, by_axis, needs_velocity
+
+
+class CoulombFriction(Effect):
+    """fc_i sign(v_i)."""
+
+    name = "coulomb_friction"
+    follows = "dir"
+    equation = "fc_i sign(v_i), or fc_pos_i for v_i > 0 and -fc_neg_i for v_i < 0"
+    hardware = "compensator"
+    units = {"fc": "[f]", "fc_pos": "[f]", "fc_neg": "[f]"}  # noqa: RUF012
+    positive = ("fc",)
+
+    unavailable = staticmethod(needs_velocity)
+
+    def columns(self, data, shape):
+        return by_axis(data, "fc", data.direction)
+
+    def predict(self, data, parameters):
+        force = np.zeros(data.shape)
+        for i in range(data.n_axes):
+            s = data.direction[:, i]
+            up, down = parameters.get(f"fc_pos_{i + 1}", 0.0), parameters.get(f"fc_neg_{i + 1}", 0.0)
+            force[:, i] = parameters.get(f"fc_{i + 1}", 0.0) * s + np.where(s > 0, up, np.where(s < 0, -down, 0.0))
+        return force
+
+
+class DirectionalCoulombFriction(CoulombFriction):
+    """fc_pos_i for v_i > 0, -fc_neg_i for v_i < 0: the same as a symmetric one and an offset of (fc_pos - fc_neg)/2."""
+
+    complexity = 1.0
+    positive = ("fc_pos", "fc_neg")
+
+    def columns(self, data, shape):
+        up = by_axis(data, "fc_pos", (data.direction > 0).astype(float))
+        return up | by_axis(data, "fc_neg", -(data.direction < 0).astype(float))

@@ -1,0 +1,19 @@
+"""A constant added by the current sensor or the driver."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, by_axis
+
+
+class CurrentOffset(Effect):
+    """o_i."""
+
+    name = "current_offset"
+    follows = ""
+    equation = "o_i"
+    hardware = "network"
+    units = {"o": "[f]"}  # noqa: RUF012
+    complexity = 0.5
+
+    def columns(self, data, shape):
+        return by_axis(data, "o", np.ones(data.shape))

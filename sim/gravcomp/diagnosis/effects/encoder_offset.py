@@ -1,0 +1,26 @@
+"""The encoders' zero is not the model's."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, needs_function
+
+
+class EncoderOffset(Effect):
+    """f_model(q + offset) - f_model(q)."""
+
+    name = "encoder_offset"
+    follows = "q"
+    equation = "f_model(q + offset) - f_model(q)"
+    hardware = "network"
+    units = {"offset": "[q]"}  # noqa: RUF012
+    per_axis = False
+    complexity = 0.5
+
+    unavailable = staticmethod(needs_function)
+
+    def columns(self, data, shape):
+        return {f"offset_{j + 1}": data.sensitivity[..., j] for j in range(data.n_axes)}
+
+    def predict(self, data, parameters):
+        offset = np.array([parameters.get(f"offset_{j + 1}", 0.0) for j in range(data.n_axes)])
+        return data.force_at(data.q + offset) - data.force_at(data.q)

@@ -1,0 +1,20 @@
+"""Mass that the model does not accelerate."""
+
+from gravcomp.diagnosis.effects.base import Effect, by_axis
+
+
+class Inertia(Effect):
+    """m_i a_i, a from the data."""
+
+    name = "inertia"
+    follows = "a"
+    equation = "m_i a_i"
+    hardware = "none"
+    units = {"m": "[f] s^2/[q]"}  # noqa: RUF012
+    complexity = 1.0
+
+    def unavailable(self, data):
+        return "" if data.acceleration is not None else "no motion along time"
+
+    def columns(self, data, shape):
+        return by_axis(data, "m", data.acceleration)

@@ -1,0 +1,23 @@
+"""Friction in proportion to the load."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, by_axis, needs_velocity
+
+
+class LoadDependentFriction(Effect):
+    """mu_i |f_model_i| sign(v_i)."""
+
+    name = "load_dependent_friction"
+    follows = "dir"
+    equation = "mu_i abs(f_model_i) sign(v_i)"
+    hardware = "compensator"
+    units = {"mu": "1"}  # noqa: RUF012
+    positive = ("mu",)
+    complexity = 1.0
+
+    def unavailable(self, data):
+        return needs_velocity(data) or ("" if np.any(data.nominal) else "the model is zero")
+
+    def columns(self, data, shape):
+        return by_axis(data, "mu", np.abs(data.nominal) * data.direction)

@@ -1,0 +1,37 @@
+"""Friction in the passive joints of the built-in robot, as the motors feel it."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, needs_velocity
+from gravcomp.robot.kinematics import direct_kinematics, passive_jacobian
+
+_ROUNDING = 1e-9  # of the speed that the axes could give a joint: less is rest
+
+
+class PassiveJointFriction(Effect):
+    """J_p^T (fc sign(v_p)), v_p = J_p v over the prismatic joints b_i and the rotary joints phi_i."""
+
+    name = "passive_joint_friction"
+    follows = "dir"
+    equation = "J_p^T (fc sign(v_p)), v_p = J_p v"
+    hardware = "compensator"
+    units = {"fc_prismatic": "N", "fc_rotary": "Nm"}  # noqa: RUF012
+    positive = ("fc_prismatic", "fc_rotary")
+    per_axis = False
+    complexity = 2.0
+
+    def unavailable(self, data):
+        return needs_velocity(data) or ("" if data.robot is not None else "the passive joints are not known")
+
+    def columns(self, data, shape):
+        jacobian = passive_jacobian(direct_kinematics(data.q, data.robot), data.robot)
+        speed = np.einsum("npk,nk->np", jacobian, data.v)
+        # where v is read on a grid, a slow joint's sign is not sure: its mean over what v may be
+        unsure = np.einsum("npk,nk->np", np.abs(jacobian), data.dead_band)
+        unsure += _ROUNDING * np.linalg.norm(jacobian, axis=2) * np.linalg.norm(data.v, axis=1)[:, None]
+        moving = np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)
+        force = jacobian * moving[..., None]
+        return {"fc_prismatic_n": force[:, :3].sum(axis=1), "fc_rotary_nm": force[:, 3:].sum(axis=1)}
+
+    def contrasts(self, labels):
+        return [{label: 1.0} for label in labels]

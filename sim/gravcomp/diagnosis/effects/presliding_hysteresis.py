@@ -1,0 +1,46 @@
+"""Friction that builds up over a short travel after each reversal (Dahl, 1968)."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, on_axis
+
+
+class PreslidingHysteresis(Effect):
+    """fc_i z_i with dz = (sign(dq) - z) |dq|/s_i: z goes to the sign of the motion over the travel s_i."""
+
+    name = "presliding_hysteresis"
+    follows = "dir"
+    equation = "fc_i z_i, dz_i = (sign(dq_i) - z_i) abs(dq_i)/s_i"
+    hardware = "compensator"
+    units = {"fc": "[f]", "s": "[q]"}  # noqa: RUF012
+    positive = ("fc",)
+    special_case = "coulomb_friction"
+    complexity = 4.0
+
+    def unavailable(self, data):
+        return "" if data.has_velocity and data.is_motion.mean() > 0.3 else "no motion along time"
+
+    def shapes(self, data):
+        travel = np.ptp(data.q, axis=0)
+        fractions = (0.004, 0.01, 0.02, 0.04, 0.08, 0.16)
+        return [{f"s_{i + 1}": f * travel[i] for i in range(data.n_axes)} for f in fractions]
+
+    def columns(self, data, shape):
+        return {
+            f"fc_{i + 1}": on_axis(data, i, _state(data, i, shape[f"s_{i + 1}"]))
+            for i in range(data.n_axes)
+            if f"s_{i + 1}" in shape
+        }
+
+
+def _state(data, axis: int, travel: float) -> np.ndarray:
+    """z along time, exact for piecewise linear q; holds outside motion have slid fully, z = sign(v)."""
+    step = np.diff(data.q[:, axis], prepend=data.q[0, axis])
+    keep = np.exp(-np.abs(step) / max(travel, 1e-12))
+    target = np.sign(step)
+    z, moving, hold = np.empty(len(step)), data.is_motion, data.direction[:, axis]
+    state = float(hold[0])
+    for k in range(len(step)):
+        state = target[k] + (state - target[k]) * keep[k] if moving[k] else hold[k]
+        z[k] = state
+    return z

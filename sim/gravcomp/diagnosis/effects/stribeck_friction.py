@@ -1,0 +1,40 @@
+"""Friction that falls from its static to its sliding value as speed grows."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, axis_of, needs_velocity, on_axis
+
+
+class StribeckFriction(Effect):
+    """(fc_i + (fs_i - fc_i) exp(-(v_i/vs_i)^2)) sign(v_i), 0 <= fc_i <= fs_i."""
+
+    name = "stribeck_friction"
+    follows = "v"
+    equation = "(fc_i + (fs_i - fc_i) exp(-(v_i/vs_i)^2)) sign(v_i)"
+    hardware = "compensator"
+    units = {"fc": "[f]", "fs": "[f]", "vs": "[q]/s"}  # noqa: RUF012
+    positive = ("fc", "fs")
+    special_case = "coulomb_friction"
+    complexity = 4.0
+
+    unavailable = staticmethod(needs_velocity)
+
+    def shapes(self, data):
+        speed = np.quantile(np.abs(data.v), [0.5, 0.95], axis=0)
+        if (speed[1] <= 1.05 * speed[0]).all():
+            return []
+        fractions = (0.05, 0.1, 0.17, 0.27, 0.4, 0.6, 0.9)
+        return [{f"vs_{i + 1}": float(f * max(speed[1, i], 1e-9)) for i in range(data.n_axes)} for f in fractions]
+
+    def columns(self, data, shape):
+        out = {}
+        for i in range(data.n_axes):
+            if f"vs_{i + 1}" in shape:
+                fall = np.exp(-((data.v[:, i] / shape[f"vs_{i + 1}"]) ** 2))
+                out[f"fc_{i + 1}"] = on_axis(data, i, (1.0 - fall) * data.direction[:, i])
+                out[f"fs_{i + 1}"] = on_axis(data, i, fall * data.direction[:, i])
+        return out
+
+    def contrasts(self, labels):
+        falls = [{f"fs_{axis_of(label) + 1}": 1.0, label: -1.0} for label in labels if label.startswith("fc_")]
+        return super().contrasts(labels) + falls

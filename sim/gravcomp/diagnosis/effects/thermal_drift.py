@@ -1,0 +1,61 @@
+"""The force per ampere changes as the motor warms up: over temperature where it is measured, else over time."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, axes_in, by_axis
+
+
+class ThermalDrift(Effect):
+    """gain_i (1 - exp(-t/tau)) f_model_i, or gain_i (T - T0_i) f_model_i."""
+
+    name = "thermal_drift"
+    follows = "t"
+    equation = "gain (1 - exp(-t/tau)) f_model, or gain (T - T0) f_model"
+    hardware = "none"
+    units = {"gain": "1 or 1/K", "tau": "s", "t0": "degC"}  # noqa: RUF012
+    complexity = 2.0
+
+    def unavailable(self, data):
+        return "" if np.any(data.nominal) else "the model is zero"
+
+    def shapes(self, data):
+        if _has_temperature(data):
+            return [{}]
+        span = np.ptp(data.t_s)
+        return [{"tau_s": f * span} for f in (0.03, 0.07, 0.15, 0.3, 0.6, 1.2, 3.0)] if span > 0 else []
+
+    def columns(self, data, shape):
+        if _has_temperature(data):
+            warm = by_axis(data, "slope", data.temp_c[:, None] * data.nominal)
+            return warm | by_axis(data, "level", data.nominal)
+        return by_axis(data, "gain", _rise(data, shape["tau_s"])[:, None] * data.nominal)
+
+    def parameters(self, shape, coefficients):
+        if "tau_s" in shape:
+            return {**coefficients, **shape}
+        out = {}
+        for i in axes_in(coefficients, "slope"):
+            slope, level = coefficients[f"slope_{i + 1}"], coefficients[f"level_{i + 1}"]
+            out |= {f"gain_{i + 1}": slope, f"t0_{i + 1}": -level / slope if slope else 0.0}
+        return out
+
+    def predict(self, data, parameters):
+        force = np.zeros(data.shape)
+        if "tau_s" in parameters:
+            rise = _rise(data, parameters["tau_s"])
+            for i in axes_in(parameters, "gain"):
+                force[:, i] = parameters[f"gain_{i + 1}"] * rise * data.nominal[:, i]
+            return force
+        if data.temp_c is None:
+            raise ValueError("a drift over temperature, and no temp_c")
+        for i in axes_in(parameters, "gain"):
+            force[:, i] = parameters[f"gain_{i + 1}"] * (data.temp_c - parameters[f"t0_{i + 1}"]) * data.nominal[:, i]
+        return force
+
+
+def _rise(data, tau_s: float) -> np.ndarray:
+    return 1.0 - np.exp(-(data.t_s - data.t_s[0]) / tau_s)
+
+
+def _has_temperature(data) -> bool:
+    return data.temp_c is not None and np.ptp(data.temp_c) > 0.0

@@ -1,0 +1,21 @@
+"""The motor gives another force per ampere than assumed."""
+
+import numpy as np
+
+from gravcomp.diagnosis.effects.base import Effect, by_axis
+
+
+class ThrustConstant(Effect):
+    """gain_i f_model_i."""
+
+    name = "thrust_constant"
+    follows = "f"
+    equation = "gain_i f_model_i"
+    hardware = "network"
+    units = {"gain": "1"}  # noqa: RUF012
+
+    def unavailable(self, data):
+        return "" if np.any(data.nominal) else "the model is zero"
+
+    def columns(self, data, shape):
+        return by_axis(data, "gain", data.nominal)

@@ -1,0 +1,73 @@
+"""report.json (schema 1) and the before/after table."""
+
+import json
+
+import numpy as np
+
+from gravcomp.diagnosis.diagnosis import Diagnosis
+
+
+def errors(error: np.ndarray, force: np.ndarray) -> dict[str, float]:
+    """RMS and maximum over samples and axes; 100 |E|/|F_exp| per sample, average and maximum. error, force (m, k)."""
+    size = np.linalg.norm(force, axis=1)
+    percent = 100.0 * np.linalg.norm(error, axis=1)[size > 0] / size[size > 0]
+    return {
+        "rms_n": float(np.sqrt(np.mean(error**2))),
+        "max_n": float(np.abs(error).max()),
+        "ave_pct": float(percent.mean()) if percent.size else 0.0,
+        "max_pct": float(percent.max()) if percent.size else 0.0,
+    }
+
+
+def relative_percent(error: np.ndarray, force: np.ndarray) -> float:
+    """100 norm(error)/norm(force), as identification papers give it."""
+    return float(100.0 * np.linalg.norm(error) / max(np.linalg.norm(force), 1e-300))
+
+
+def report(d: Diagnosis) -> dict:
+    """The report as a dictionary, schema 1."""
+    test = d.is_test
+    return {
+        "schema": 1,
+        "verdict": d.verdict,
+        "effects": [
+            {"name": entry.name, "params": entry.parameters,
+             "ci95": {name: list(interval) for name, interval in entry.intervals.items()},
+             "p_value": entry.p_value, "share": d.shares[entry.key]}
+            for entry in d.fit.effects
+        ],
+        "alternatives": _unique(d.alternatives),
+        "drivers": d.drivers,
+        "before": errors(d.before[test], d.data.force[test]),
+        "after": errors(d.after[test], d.data.force[test]),
+        "before_rel_pct": relative_percent(d.before[test], d.data.force[test]),
+        "after_rel_pct": relative_percent(d.after[test], d.data.force[test]),
+        "noise_floor_n": d.noise_floor,
+        "n_train": int(np.count_nonzero(~test)),
+        "n_test": int(np.count_nonzero(test)),
+        "unit": d.data.unit,
+    }  # fmt: skip
+
+
+def report_json(d: Diagnosis) -> str:
+    return json.dumps(report(d), indent=2, allow_nan=False) + "\n"
+
+
+def table(content: dict) -> str:
+    """Before and after, as text."""
+    unit = content["unit"]
+    lines = [f"held out: {content['n_test']} of {content['n_train'] + content['n_test']} samples",
+             f"{'':8}{'RMS ' + unit:>12}{'max ' + unit:>12}{'ave %':>10}{'max %':>10}"]  # fmt: skip
+    for name in ("before", "after"):
+        e = content[name]
+        lines.append(f"{name:8}{e['rms_n']:12.4g}{e['max_n']:12.4g}{e['ave_pct']:10.3g}{e['max_pct']:10.3g}")
+    lines.append(f"{'noise':8}{content['noise_floor_n']:12.4g}")
+    return "\n".join(lines)
+
+
+def _unique(sets: list[list[str]]) -> list[list[str]]:
+    merged: dict[str, list[str]] = {}
+    for names in sets:
+        own = merged.setdefault(names[0], [names[0]])
+        own.extend(name for name in names if name not in own)
+    return list(merged.values())

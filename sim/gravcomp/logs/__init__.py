@@ -1,0 +1,1 @@
+"""Measured data: in memory, from CSV, from public data sets."""

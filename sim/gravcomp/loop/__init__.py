@@ -1,0 +1,1 @@
+"""What a diagnosis found goes into network and compensator."""

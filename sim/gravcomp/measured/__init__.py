@@ -1,1 +1,0 @@
-"""Measured data: reading it, effects that a model may lack, diagnosis, report; the virtual prototype to measure."""

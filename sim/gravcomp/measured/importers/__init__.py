@@ -1,6 +1,0 @@
-"""Public data sets of real machines, converted to the measured CSV."""
-
-from gravcomp.measured.importers.anticogging import anticogging_csv
-from gravcomp.measured.importers.emps import emps_csv
-
-IMPORTERS = {"emps": emps_csv, "anticogging": anticogging_csv}

@@ -1,0 +1,1 @@
+"""The virtual prototype: a machine in MuJoCo with imperfections, to measure on."""

@@ -1,0 +1,1 @@
+"""Blind tally: sets drawn by seed, diagnosed, then opened and counted."""

@@ -1,0 +1,40 @@
+"""The core after the loop: what was found in measured data, brought into network and compensator of the hardware."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gravcomp.diagnosis.fit import Fit
+from gravcomp.diagnosis.model import Model
+from gravcomp.logs.measurement import Measurement
+from gravcomp.loop.placement import into_hardware
+from gravcomp.network import bittrue
+from gravcomp.network.compensation import FixedCompensation, compensator, period_of, quantise_compensation
+from gravcomp.network.compensation_csv import Compensation
+from gravcomp.network.quantise import FixedNetwork, quantise
+from gravcomp.network.weights import Network
+from gravcomp.robot.parameters import RobotParameters
+
+
+@dataclass(frozen=True)
+class FieldCore:
+    """Integers of network and compensator; forces() are those of the bit-true models."""
+
+    network: FixedNetwork
+    constants: Compensation
+    compensation: FixedCompensation
+    parameters: RobotParameters
+
+    def forces(self, data: Measurement) -> np.ndarray:
+        """Forces (n, 3), N, at the counts of data.q and the speed meter's periods at steady speeds data.v."""
+        count = np.rint(data.q / self.parameters.encoder_m_per_count).astype(np.int64)
+        period = period_of(data.v, self.constants, self.parameters)
+        force_mn, _ = compensator(bittrue.core(count, self.network).force_mn, count, period, self.compensation)
+        return 1e-3 * force_mn
+
+
+def build_core(fit: Fit, field: Measurement, start: Network, p: RobotParameters, n_poses: int, seed: int) -> FieldCore:
+    """start with what the fit found in the field, as in the loop; n_poses to train on again."""
+    network, placement, _ = into_hardware(Model(robot=p).grown(fit), field, start, seed, n_poses)
+    constants = placement.compensation
+    return FieldCore(quantise(network, p), constants, quantise_compensation(constants, p), p)
