@@ -2,14 +2,14 @@
 #
 # What the three import scripts share. Runs in plain Tcl 8.5 or later.
 
-# The project to make, as a dictionary, from arguments NAME=VALUE: top (default gc_top), part, out (folder of the
-# project); any other NAME is a generic of the top entity. defaults: part and out of the vendor.
+# The project to make, as a dictionary, from arguments NAME=VALUE: top (default gc_force_path), part, out (its folder);
+# any other NAME is a generic of the top entity. defaults: part and out of the vendor.
 #   sources       absolute paths, in compile order
 #   constraints   absolute path of the top's constraints with that extension, or nothing
 #   generics      dictionary
 proc gravcomp_project {arguments defaults extension} {
     set root [file dirname [file dirname [file normalize [info script]]]]
-    set project [dict merge {top gc_top generics {}} $defaults]
+    set project [dict merge {top gc_force_path generics {}} $defaults]
     foreach argument $arguments {
         if {![regexp {^(\w+)=(.+)$} $argument -> name value]} {
             error "need arguments NAME=VALUE, got $argument"
@@ -21,11 +21,11 @@ proc gravcomp_project {arguments defaults extension} {
         }
     }
     set top [dict get $project top]
-    gravcomp_check_generics $top $root/rtl/$top.vhd [dict keys [dict get $project generics]]
     set sources {}
     foreach name [gravcomp_read $root/rtl/sources.f] {
         lappend sources $root/rtl/$name
     }
+    gravcomp_check_generics $top [lsearch -inline $sources */$top.vhd] [dict keys [dict get $project generics]]
     dict set project out [file normalize [dict get $project out]]
     dict set project sources $sources
     dict set project constraints [glob -nocomplain $root/constraints/$top.$extension]
@@ -33,8 +33,8 @@ proc gravcomp_project {arguments defaults extension} {
 }
 
 proc gravcomp_check_generics {top file names} {
-    if {![file exists $file]} {
-        error "no entity $top: there is no $file"
+    if {$file eq ""} {
+        error "no entity $top: rtl/sources.f has no $top.vhd"
     }
     regexp {generic \((.*?)port \(} [gravcomp_read $file] -> generics
     foreach name $names {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Quartus Prime project of gravcomp:
-#   quartus_sh -t scripts/quartus_import.tcl top=gc_top part=5CSEBA6U23I7 lanes_g=4
+#   quartus_sh -t scripts/quartus_import.tcl top=gc_force_path part=5CSEBA6U23I7 lanes_g=4
 
 package require ::quartus::project
 package require ::quartus::device

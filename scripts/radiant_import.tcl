@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Radiant project of gravcomp:
-#   radiantc scripts/radiant_import.tcl top=gc_top part=LIFCL-40-9BG400C lanes_g=4
+#   radiantc scripts/radiant_import.tcl top=gc_force_path part=LIFCL-40-9BG400C lanes_g=4
 
 source [file join [file dirname [info script]] import_common.tcl]
 set project [gravcomp_project $argv {part LIFCL-40-9BG400C out build/radiant} sdc]

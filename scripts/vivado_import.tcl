@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Vivado project of gravcomp:
-#   vivado -mode batch -source scripts/vivado_import.tcl -tclargs "top=gc_top" "part=xc7a100tcsg324-1" "lanes_g=4"
+#   vivado -mode batch -source scripts/vivado_import.tcl -tclargs "top=gc_force_path" "part=xc7a100tcsg324-1" "lanes_g=4"
 
 source [file join [file dirname [info script]] import_common.tcl]
 set project [gravcomp_project $argv {part xc7a100tcsg324-1 out build/vivado} xdc]

@@ -12,6 +12,7 @@ from gravcomp.network.compensation_csv import load_compensation
 from gravcomp.network.quantise import FixedNetwork, quantise
 from gravcomp.network.weights import load_network
 from gravcomp.robot.parameters import load_parameters
+from gravcomp.synthesis.verilog import source_of
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -35,7 +36,7 @@ def fixed_compensation() -> FixedCompensation:
 
 def vhdl_constant(entity: str, name: str) -> int:
     """A numeric constant of an entity's source."""
-    return int(re.search(rf"constant {name} *: positive := (\d+);", (ROOT / "rtl" / f"{entity}.vhd").read_text())[1])
+    return int(re.search(rf"constant {name} *: positive := (\d+);", source_of(ROOT / "rtl", entity).read_text())[1])
 
 
 def pack(values: Iterable[int], bits: int) -> int:

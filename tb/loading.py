@@ -1,4 +1,4 @@
-"""Other constants than those of the ROM, and gc_top with the ports through which their image is loaded."""
+"""Other constants than those of the ROM, and gc_force_path with the ports through which their image is loaded."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from gravcomp.network.image import Image, load_image
 from gravcomp.network.quantise import COUNT_BITS, CURRENT_BITS, FORCE_BITS, FixedNetwork
 from gravcomp.network.weights import load_network, save_network
 from gravcomp.robot.parameters import load_parameters
-from test_rtl_top import CLOCKS_BEHIND_CORE, Bench
+from test_rtl_force_path import CLOCKS_BEHIND_CORE, Bench
 
 SPHEIRO = ROOT / "weights" / "spheiro"
 ROM, FIRST, SECOND = 0, 1, 2  # what sts_bank says
@@ -66,7 +66,7 @@ def image_of(folder: Path) -> Image:
 
 
 class LoadBench(Bench):
-    """gc_top_bench with loadable_g: takes inferences all along, beside what a script does to the ports of loading.
+    """gc_force_path_bench, loadable: takes inferences all along, beside what a script does to the ports of loading.
 
     pace: probability of an offered inference per clock.
     """

@@ -185,7 +185,7 @@ def test_parameters_are_the_generics_and_reach_them(tmp_path):
 
 
 def test_entity_refuses_what_it_cannot_read(tmp_path):
-    (tmp_path / "sources.f").write_text("")
+    (tmp_path / "sources.f").write_text("gc_thing.vhd\n")
     (tmp_path / "gc_thing.vhd").write_text(
         "-- A thing.\nentity gc_thing is\n  generic (\n    a_g, b_g : natural := 1\n  );\n"
         "  port (\n    clk : in    bit\n  );\nend entity;\n"

@@ -6,6 +6,7 @@ from gravcomp.mutation import trial
 from gravcomp.mutation.campaign import markdown, plan, reasons
 from gravcomp.mutation.mutants import Mutant, candidates, draw
 from gravcomp.mutation.trial import CAUGHT, INVALID, SURVIVED, TIMEOUT, Outcome, relevant_tests, run_tests, try_mutant
+from gravcomp.synthesis.verilog import source_of
 from runner import ROOT
 
 VHDL = """\
@@ -30,7 +31,7 @@ DELAY = "stages(i) <= stages(i - 1);"
 
 
 def mutant_of(entity: str, good: str, bad: str) -> Mutant:
-    lines = (ROOT / "rtl" / f"{entity}.vhd").read_text().split("\n")
+    lines = source_of(ROOT / "rtl", entity).read_text().split("\n")
     return Mutant(entity, 1 + next(k for k, line in enumerate(lines) if line.strip() == good), good, bad, "constant")
 
 
@@ -77,7 +78,7 @@ def test_plan_plants_two_hundred_in_the_vhdl():
 def test_tests_of_an_entity_begin_with_its_own():
     files = relevant_tests("gc_multiply", ROOT / "rtl", ROOT / "tb")
     assert files[0] == "test_rtl_multiply.py"
-    assert files.index("test_rtl_hidden_lane.py") < files.index("test_rtl_top.py")
+    assert files.index("test_rtl_hidden_lane.py") < files.index("test_rtl_force_path.py")
 
 
 @pytest.mark.parametrize(
@@ -112,5 +113,5 @@ def test_table_explains_a_survivor_by_its_line():
 
 def test_reasons_name_lines_of_the_vhdl():
     for entity, good, _ in reasons(ROOT / "tb" / "equivalent_mutants.toml"):
-        lines = [line.strip() for line in (ROOT / "rtl" / f"{entity}.vhd").read_text().split("\n")]
+        lines = [line.strip() for line in source_of(ROOT / "rtl", entity).read_text().split("\n")]
         assert good in lines, f"{entity}: no line {good!r}"

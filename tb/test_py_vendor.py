@@ -15,9 +15,10 @@ import pytest
 
 from codes import fixed_network
 from gravcomp.network.bittrue import core
+from gravcomp.synthesis.verilog import source_of
 from runner import ROOT, RTL, rtl_sources
 
-TOPS = ("gc_top", "gc_system")
+TOPS = ("gc_force_path", "gc_system")
 SOURCES = [str(path) for path in rtl_sources()]
 
 
@@ -78,9 +79,9 @@ def test_radiant_import_makes_the_project(top, tmp_path):
     ("argument", "message"),
     [
         ("top=gc_toop", "no entity gc_toop"),
-        ("lane_g=4", "gc_top has no generic lane_g"),
-        ("pin_a=4", "gc_top has no generic pin_a"),
-        ("gc_top", "need arguments NAME=VALUE, got gc_top"),
+        ("lane_g=4", "gc_force_path has no generic lane_g"),
+        ("pin_a=4", "gc_force_path has no generic pin_a"),
+        ("gc_force_path", "need arguments NAME=VALUE, got gc_force_path"),
     ],
     ids=lambda value: str(value).replace(" ", "_"),
 )
@@ -97,7 +98,7 @@ def test_stubs_refuse_what_the_vendor_would(vendor, fault, tmp_path):
     for folder in ("rtl", "scripts", "constraints"):
         shutil.copytree(ROOT / folder, copy / folder)
     if fault == "source":
-        (copy / "rtl/gc_scale.vhd").unlink()
+        (copy / "rtl/common/gc_scale.vhd").unlink()
     else:
         script = copy / "scripts" / f"{vendor}_import.tcl"
         script.write_text(script.read_text().replace("dict with project {", "dict with project {\n    analyze_files"))
@@ -107,7 +108,7 @@ def test_stubs_refuse_what_the_vendor_would(vendor, fault, tmp_path):
 
 def port_bits(entity: str) -> dict[str, str]:
     """Direction of each bit of an entity's ports; vectors as two bits."""
-    text = (RTL / f"{entity}.vhd").read_text()
+    text = source_of(RTL, entity).read_text()
     ports = re.search(r"^  port \((.*?)^  \);", text, re.M | re.S).group(1)
     bits = {}
     for name, direction, kind in re.findall(r"^ +(\w+) *: (in|out) +(\w+(?: *\()?)", ports, re.M):
@@ -158,7 +159,7 @@ def test_fusesoc_simulates_an_inference(count, tmp_path):
 
 
 @pytest.mark.parametrize("tool", ["vivado", "quartus"])
-@pytest.mark.parametrize(("target", "top"), [("default", "gc_top"), ("system", "gc_system")])
+@pytest.mark.parametrize(("target", "top"), [("default", "gc_force_path"), ("system", "gc_system")])
 def test_fusesoc_sets_up_a_project(tool, target, top, tmp_path):
     """The project's script; the vendor's tool is not run."""
     fusesoc(tmp_path, "--setup", f"--target={target}", f"--tool={tool}", "gravcomp:gravcomp:gravcomp", "--lanes_g", "5")

@@ -5,6 +5,7 @@ import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
+from gravcomp.synthesis.verilog import source_of
 from gravcomp.system.safety import State
 from runner import RTL, simulate
 
@@ -44,7 +45,7 @@ def test_brake_sequencer_needs_an_edge():
 @pytest.mark.parametrize("code", sorted(set(range(8)) - set(State)))
 def test_brake_sequencer_survives_illegal_codes(code, tmp_path):
     """The code is that of an upset: in a copy of the entity that powers up with it."""
-    text = (RTL / "gc_brake_sequencer.vhd").read_text()
+    text = source_of(RTL, "gc_brake_sequencer").read_text()
     upset = text.replace("safety_state_t := state_braked_c", f'safety_state_t := "{code:03b}"')
     assert upset != text
     copy = tmp_path / "gc_brake_sequencer.vhd"

@@ -14,10 +14,10 @@ from gravcomp.network.compensation import compensator, friction
 from gravcomp.network.quantise import COUNT_BITS, FORCE_BITS
 from runner import BUILD, simulate
 from stream import latencies, start, stream
-from test_rtl_top import Bench
+from test_rtl_force_path import Bench
 
 OUTPUTS = ["out_force", "out_saturated"]
-LATENCY = vhdl_constant("gc_top", "compensator_clocks_c")
+LATENCY = vhdl_constant("gc_force_path", "compensator_clocks_c")
 PACE = 6  # clocks per encoder edge: the force is there before the speed is known
 WEIGHTS = BUILD / "compensated"
 
@@ -137,12 +137,14 @@ def test_top_adds_friction_in_motion_and_nothing_at_rest():
     without_load_and_table = "\n".join(row for row in CSV.splitlines() if ",mu," not in row and ",a" not in row)
     folder = compensated_weights(WEIGHTS / "friction", without_load_and_table)
     simulate(
-        "gc_top_bench",
+        "gc_force_path_bench",
         "test_rtl_compensator",
         generics={"lanes_g": 4},
         tests="motion_reversal_and_rest$",
         label="friction",
         generated=folder / "generated",
         environment={"WEIGHTS": str(folder)},
-        extra_sources=tuple(ROOT / "tb" / "hdl" / f"{name}.vhd" for name in ("gc_encoder_model", "gc_top_bench")),
+        extra_sources=tuple(
+            ROOT / "tb" / "hdl" / f"{name}.vhd" for name in ("gc_encoder_model", "gc_force_path_bench")
+        ),
     )

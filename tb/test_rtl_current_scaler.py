@@ -20,7 +20,7 @@ async def random_forces(dut):
     got = await stream(dut, inputs, ["out_current"], gap_probability=0.2, rng=rng)
     current_ua = unpack(got.outputs["out_current"], CURRENT_BITS, fixed.n_axes)
     np.testing.assert_array_equal(current_ua, current_scaler(force_mn, fixed))
-    assert latencies(got) == {vhdl_constant("gc_top", "scaler_clocks_c")}
+    assert latencies(got) == {vhdl_constant("gc_force_path", "scaler_clocks_c")}
     exact_ua = force_mn * 1000.0 / load_parameters().thrust_constant_n_per_a
     constant_error = 0.5 / fixed.current_scale  # the factor is rounded to its last bit
     assert (np.abs(current_ua - exact_ua) <= 0.5 + np.abs(exact_ua) * constant_error).all()

@@ -5,6 +5,7 @@ import shutil
 import pytest
 
 from gravcomp.formal.claims import CLAIMS, verify
+from gravcomp.synthesis.verilog import source_of
 from runner import ROOT
 
 CHECKERS = ROOT / "tb" / "formal"
@@ -58,7 +59,7 @@ PLANTED = [
     ("safety", "gc_fault_latch", [
         ("or in_fault;", "or in_fault(causes_c - 2 downto 0) & in_fault(causes_c - 1);", "no_cause_comes_of_itself"),
     ]),
-    ("top", "gc_top", [
+    ("force_path", "gc_force_path", [
         ("start <= in_valid and", "start <= in_valid and not cfg_clear and", "none_lost"),
         ("in_ready <= core_ready and counts_valid and", "in_ready <= core_ready and", "reset_waits_for_the_encoders"),
         ("valid <= current_valid;\n", "valid <= current_valid or cfg_clear;\n", "none_invented"),
@@ -85,11 +86,14 @@ PLANTED = [
 
 @pytest.mark.parametrize(
     ("checker", "file", "faults"),
-    [pytest.param(*p, id=f"{p[0]}-{p[2][0][2]}", marks=[pytest.mark.slow] * (p[0] in ("axi", "top"))) for p in PLANTED],
+    [
+        pytest.param(*p, id=f"{p[0]}-{p[2][0][2]}", marks=[pytest.mark.slow] * (p[0] in ("axi", "force_path")))
+        for p in PLANTED
+    ],
 )
 def test_planted_faults_are_refuted_together(checker, file, faults, tmp_path):
     shutil.copytree(ROOT / "rtl", tmp_path / "rtl")
-    source = tmp_path / "rtl" / f"{file}.vhd"
+    source = source_of(tmp_path / "rtl", file)
     text = source.read_text()
     for good, bad, _ in faults:
         assert text.count(good) == 1, good

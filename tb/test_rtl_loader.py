@@ -1,4 +1,4 @@
-"""Loading constants at run time: gc_top computes with whole sets only, each its model's; what is wrong is refused."""
+"""Loading at run time: gc_force_path computes with whole sets only, each its model's; what is wrong is refused."""
 
 import os
 import zlib
@@ -166,12 +166,12 @@ def test_what_is_not_the_image_is_refused():
 def simulate_loadable(test: str, lanes: int) -> None:
     rom, other = compensated_weights(WEIGHTS / "rom"), other_weights(WEIGHTS / "other")
     simulate(
-        "gc_top_bench",
+        "gc_force_path_bench",
         "test_rtl_loader",
         generics={"lanes_g": lanes, "loadable_g": "true"},
         environment={"WEIGHTS": str(rom), "OTHER": str(other)},
         generated=rom / "generated",
-        extra_sources=tuple(BENCHES / f"{name}.vhd" for name in ("gc_encoder_model", "gc_top_bench")),
+        extra_sources=tuple(BENCHES / f"{name}.vhd" for name in ("gc_encoder_model", "gc_force_path_bench")),
         tests=f"{test}$",
         label=test,
     )

@@ -37,7 +37,7 @@ async def start(dut, axi_mhz: float, core_mhz: float = 40) -> tuple[System, list
     """The system after reset, and a list of what will reach its core."""
     system, loads = System(dut), []
     await system.start(axi_mhz, core_mhz)
-    cocotb.start_soon(record_loads(dut.i_system.i_controller, loads))
+    cocotb.start_soon(record_loads(dut.i_system.i_core_side, loads))
     return system, loads
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from codes import ROOT, fixed_network, pack, unpack
 from gravcomp.network.quantise import COUNT_BITS
+from gravcomp.synthesis.verilog import source_of
 from gravcomp.system.safety import ALWAYS, Cause, State, safety
 from playback import play
 from runner import RTL, simulate
@@ -283,7 +284,7 @@ def test_safety_waits_for_its_synchroniser():
 
 
 def test_safety_codes_equal_package():
-    text = (RTL / "gc_safety_pkg.vhd").read_text()
+    text = source_of(RTL, "gc_safety_pkg").read_text()
     causes = {name.upper(): int(bit) for name, bit in re.findall(r"cause_(\w+)_c +: natural +:= (\d+)", text)}
     states = {name.upper(): int(code, 2) for name, code in re.findall(r'state_(\w+)_c +: \w+ := "(\d+)"', text)}
     assert causes == {cause.name: cause.value for cause in Cause}

@@ -320,7 +320,7 @@ async def whole_results_while_the_axes_move(dut, axi_mhz):
     system = System(dut)
     await system.start(axi_mhz)
     states = []
-    cocotb.start_soon(record_states(dut.i_system.i_host, states))
+    cocotb.start_soon(record_states(dut.i_system.i_bus_side, states))
     await system.home_near(np.array([2002, -3002, 4002]))
     dut.clocks_per_edge.value = 9
     dut.target.value = pack([150_000, -150_000, 150_000], COUNT_BITS)
@@ -419,7 +419,7 @@ async def a_command_lasts_one_clock(dut):
     async def watch() -> None:
         while True:
             await system.clocks(1)
-            kicks.append(int(dut.i_system.i_controller.kick.value))
+            kicks.append(int(dut.i_system.i_core_side.kick.value))
 
     cocotb.start_soon(watch())
     for n in range(1, 4):
@@ -524,7 +524,7 @@ async def path_latency(dut):
     await system.start(axi_mhz=10)
     await system.configure(tick_clocks=tick_clocks)
     await system.run()
-    controller = dut.i_system.i_controller
+    controller = dut.i_system.i_core_side
     dut.clocks_per_edge.value = tick_clocks + 1  # every phase of the tick
     dut.target.value = pack([5002, -3002, 4002], COUNT_BITS)
     count, starts, latencies, steps = 2002, [], [], set()
@@ -542,7 +542,7 @@ async def path_latency(dut):
         counted = known
         if controller.begins.value == 1:
             starts.append((known, clock))
-        if controller.top_valid.value == 1 and starts:
+        if controller.path_valid.value == 1 and starts:
             to_current = clock - starts[-1][1]
         if dut.drive_valid.value == 1 and starts:
             known, began = starts.pop()

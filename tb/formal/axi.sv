@@ -1,4 +1,4 @@
-// Claims of gc_host about its AXI4-Lite port, for every behaviour of the bus master and of the core, whose ports are
+// Claims of gc_bus_side about its AXI4-Lite port, for every behaviour of the bus master and of the core, whose ports are
 // left open.
 //
 // Registers have no value before the first reset: claims start there. ANSWER: clocks with rready and bready, not
@@ -23,7 +23,7 @@ module axi #(
   wire [1:0] bresp, rresp;
   wire [31:0] rdata;
 
-  gc_host dut (
+  gc_bus_side dut (
       .clk(clk), .rst(rst), .s_axi_awaddr(awaddr), .s_axi_awprot(3'b0), .s_axi_awvalid(awvalid),
       .s_axi_awready(awready), .s_axi_wdata(wdata), .s_axi_wstrb(wstrb), .s_axi_wvalid(wvalid),
       .s_axi_wready(wready), .s_axi_bresp(bresp), .s_axi_bvalid(bvalid), .s_axi_bready(bready),

@@ -34,7 +34,7 @@ trained range reaches the multiplier whole, and that x is the truncated product 
 `axi` leaves the master free, and the core behind the registers too. From the first reset on: a response only to
 a request that was taken, of its kind, held unchanged until the master takes it; at most three requests of a kind under
 way; and each request answered within three clocks in which the master takes responses of either kind, which is liveness
-as a bound. Nothing of gc_host is abstracted.
+as a bound. Nothing of gc_bus_side is abstracted.
 
 `tb/test_rtl_formal_equivalence.py` proves the netlist equal to the RTL, by Yosys' `equiv_induct`, for the entities
 that it names: that of Yosys' gates and that of ECP5's LUT4, CCU2C, PFUMX, L6MUX21 and TRELLIS_FF, with Yosys' models of

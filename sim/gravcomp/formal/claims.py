@@ -49,8 +49,8 @@ CLAIMS = (
     Claim("output_saturation", "gc_output_scaler"),
     Claim("force_saturation", "gc_compensator", parameters={"TOTAL_BITS": FRICTION_BITS + 1}),
     Claim("safety", "gc_safety"),
-    Claim("axi", "gc_host", parameters={"ANSWER": 3}),
-    Claim("top", "gc_top", {"lanes_g": 4}, clocks_behind_core=16),
+    Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
+    Claim("force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=16),
 )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from gravcomp.errors import InputError
 from gravcomp.mutation.mutants import Mutant, draw
 from gravcomp.mutation.trial import CAUGHT, INVALID, SURVIVED, TIMEOUT, Outcome, relevant_tests, run_tests, try_mutant
+from gravcomp.synthesis.verilog import handwritten_sources
 
 TIMEOUT_S = 900.0
 
@@ -23,11 +24,11 @@ fails. A mutant that hangs is caught by the time limit.
 
 
 def plan(root: Path, n_mutants: int, seed: int, entities: Iterable[str] = ()) -> dict[str, tuple[int, list[Mutant]]]:
-    """The draw over rtl/*.vhd, as of mutants.draw; entities limits it, without changing what each of them gets.
+    """The draw over the VHDL written by hand, as of mutants.draw; entities limits it, without changing what each gets.
 
     Raises InputError for an entity that has no mutants.
     """
-    texts = {path.stem: path.read_text() for path in sorted((root / "rtl").glob("*.vhd"))}
+    texts = {entity: path.read_text() for entity, path in handwritten_sources(root / "rtl").items()}
     drawn = draw(texts, n_mutants, seed)
     for entity in entities:
         if entity not in drawn:

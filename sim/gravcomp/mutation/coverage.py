@@ -11,6 +11,7 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp.mutation.trial import LEFT_OUT
+from gravcomp.synthesis.verilog import handwritten_sources
 
 # cocotb calls `ghdl -m` to compile; only that takes options for GCC.
 _GHDL = """#!/bin/sh
@@ -53,8 +54,9 @@ def count(root: Path, build: Path, jobs: int) -> list[Coverage]:
 
 def _sum_up(rtl: Path, build: Path) -> list[Coverage]:
     # Elaboration, benches and generated packages: their sources are elsewhere, or gone.
+    sources = handwritten_sources(rtl)
     for counts in [*build.rglob("*.gcno"), *build.rglob("*.gcda")]:
-        if not (rtl / f"{counts.stem}.vhd").exists():
+        if counts.stem not in sources:
             counts.unlink()
     report = build / "coverage.json"
     command = [
@@ -62,7 +64,7 @@ def _sum_up(rtl: Path, build: Path) -> list[Coverage]:
         "--root",
         rtl,
         "--filter",
-        f"{rtl}/gc_",
+        f"{rtl}/(.*/)?gc_",
         "--json",
         report,
         build,
@@ -79,7 +81,7 @@ def _of_file(rtl: Path, entry: dict) -> Coverage:
     for line in entry["lines"]:
         ran[line["line_number"]] = ran.get(line["line_number"], False) or line["count"] > 0
     missed = tuple((number, text[number - 1].strip()) for number, is_run in sorted(ran.items()) if not is_run)
-    return Coverage(entry["file"], len(ran), missed)
+    return Coverage(Path(entry["file"]).name, len(ran), missed)
 
 
 def reasons(path: Path) -> dict[tuple[str, str], str]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gravcomp.mutation.mutants import Mutant
+from gravcomp.synthesis.verilog import handwritten_sources, rtl_sources, source_of
 
 CAUGHT, TIMEOUT, SURVIVED, INVALID = "caught", "time-out", "survived", "does not compile"
 # For each of analysis and elaboration, which take a second or two: a loop in a function may have lost its end.
@@ -41,7 +42,7 @@ class Outcome:
 
 def relevant_tests(entity: str, rtl: Path, tb: Path) -> list[str]:
     """Test files in which the entity runs: its own, then those of what instantiates it, and so on, last the proofs."""
-    texts = {path.stem: path.read_text() for path in rtl.glob("*.vhd")}
+    texts = {user: path.read_text() for user, path in handwritten_sources(rtl).items()}
     test_texts = {p.name: p.read_text() for p in sorted(tb.glob("test_rtl_*.py")) if p.name not in LEFT_OUT}
     own = f"test_rtl_{entity.removeprefix('gc_')}.py"
     order, seen, level = [own] if own in test_texts else [], {entity}, [entity]
@@ -59,7 +60,7 @@ def try_mutant(mutant: Mutant, root: Path, tests: list[str], timeout_s: float) -
     with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
         rtl = Path(folder) / "rtl"
         shutil.copytree(root / "rtl", rtl)
-        source = rtl / f"{mutant.entity}.vhd"
+        source = source_of(rtl, mutant.entity)
         source.write_text(mutant.plant(source.read_text()))
         if not _compiles(rtl, folder):
             return Outcome(mutant, INVALID)
@@ -100,7 +101,7 @@ def _run_marked(root: Path, rtl: Path, build: Path, files: Sequence[str], marker
 
 def _compiles(rtl: Path, work: str) -> bool:
     """Whether GHDL analyses the files and elaborates gc_system, which holds every entity, in COMPILE_TIMEOUT_S each."""
-    files = [str(rtl / name) for name in (rtl / "sources.f").read_text().split()]
+    files = [str(path) for path in rtl_sources(rtl)]
     options = ["--std=08", f"--workdir={work}"]
     for command in (["-a", *options, *files], ["--elab-run", *options, "gc_system", "--stop-time=0ns"]):
         try:

@@ -15,7 +15,7 @@ from gravcomp.robot.parameters import RobotParameters
 from gravcomp.robot.statics import holding_forces_at
 from gravcomp.robot.workspace import pose
 
-RUN_SCOPE = "gc_top_bench.i_top"
+RUN_SCOPE = "gc_force_path_bench.i_force_path"
 SIGNALS = ("pin_a", "pin_b", "sts_count", "in_valid", "out_valid", "out_force")
 SHOWN_AXIS = 1  # the fastest one of the motion
 AXIS_COLOURS = ("tab:blue", "tab:orange", "tab:green")
@@ -59,7 +59,7 @@ def _error_norm(fixed, p, azimuth, tilt_deg, torsion_deg) -> np.ndarray:
 
 
 def run_picture(vcd: Path, n_axes: int, force_bits: int):
-    """A run of gc_top from its VCD: counts and forces of the whole run, pins and handshake of one inference.
+    """A run of gc_force_path from its VCD: counts and forces of the whole run, pins and handshake of one inference.
 
     Returns a Matplotlib figure. Raises InputError when there is no such VCD, or a damaged one.
     """
@@ -121,7 +121,7 @@ def _field(word: int, index: int, bits: int) -> int:
 
 
 class _Waves:
-    """Changes of the signals of gc_top in a VCD; times in ms, words as unsigned integers."""
+    """Changes of the signals of gc_force_path in a VCD; times in ms, words as unsigned integers."""
 
     def __init__(self, vcd: Path):
         from vcdvcd import VCDVCD

@@ -15,6 +15,19 @@ def rtl_sources(rtl: Path) -> list[Path]:
     return [rtl / name for name in (rtl / "sources.f").read_text().split()]
 
 
+def source_of(rtl: Path, entity: str) -> Path:
+    """The file of rtl/sources.f that holds an entity or a package; InputError when there is none."""
+    for path in rtl_sources(rtl):
+        if path.stem == entity:
+            return path
+    raise InputError(f"{rtl / 'sources.f'}: no file {entity}.vhd")
+
+
+def handwritten_sources(rtl: Path) -> dict[str, Path]:
+    """The files of rtl/sources.f that no program writes, by entity or package."""
+    return {path.stem: path for path in rtl_sources(rtl) if path.parent.name not in ("generated", "registers")}
+
+
 def to_verilog(sources: Sequence[Path], top: str, generics: Mapping[str, int], out: Path) -> Path:
     """Write the Verilog of entity top with its generics set to the file out; returns out.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gravcomp.errors import InputError
-from gravcomp.synthesis.verilog import rtl_sources, to_verilog
+from gravcomp.synthesis.verilog import rtl_sources, source_of, to_verilog
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class Entity:
 
 
 def read_entity(rtl: Path, name: str) -> Entity:
-    """The entity of <rtl>/<name>.vhd, its ranges evaluated by GHDL. Raises InputError when it cannot be read."""
-    text = (rtl / f"{name}.vhd").read_text()
+    """The entity that rtl/sources.f lists, its ranges evaluated by GHDL. Raises InputError when it cannot be read."""
+    text = source_of(rtl, name).read_text()
     declared = text.partition("\narchitecture ")[0]
     bits = _port_bits(rtl, name, declared)
     generics = _declarations(name, _clause(declared, "generic"), r"(\w+) *:= *(\w+)")

@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: MIT
 --
--- The core's side of gc_system, all in one clock: tick, gc_top, drive and safety.
+-- The core's side of gc_system, all in one clock: tick, gc_force_path, drive and safety.
 --
 -- One inference at a time: a tick or a start that finds one under way is not taken; a tick is then counted as missed.
 -- Settings and state are words of gc_system_pkg. State tells of results only whole ones: position and speed are those
 -- of the clock that started the inference, shown together with its forces.
--- Latency from start to drive_current: those of gc_top and gc_drive; to the state 1 clock after gc_top.
+-- Latency from start to drive_current: those of gc_force_path and gc_drive; to the state 1 clock after gc_force_path.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -16,9 +16,9 @@ library work;
   use work.gc_safety_pkg.all;
   use work.gc_system_pkg.all;
 
-entity gc_controller is
+entity gc_core_side is
   generic (
-    -- See gc_top.
+    -- See gc_force_path.
     lanes_g          : positive := 4;
     filter_samples_g : natural := 4;
     speed_timeout_g  : positive := 10_000_000;
@@ -50,9 +50,9 @@ entity gc_controller is
     out_valid     : out   std_ulogic;
     out_state     : out   state_t
   );
-end entity gc_controller;
+end entity gc_core_side;
 
-architecture rtl of gc_controller is
+architecture rtl of gc_core_side is
 
   subtype axes_t is std_ulogic_vector(axes_c - 1 downto 0);
 
@@ -70,7 +70,7 @@ architecture rtl of gc_controller is
   signal begins    : std_ulogic;
   signal busy      : std_ulogic := '0';
 
-  signal top_valid     : std_ulogic;
+  signal path_valid    : std_ulogic;
   signal force_mn      : signed(outputs_c * force_bits_c - 1 downto 0);
   signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
   signal clamped       : axes_t;
@@ -132,7 +132,7 @@ begin
   idle <= top_ready and not busy;
   begins <= (tick or start) and idle;
 
-  i_top : entity work.gc_top
+  i_force_path : entity work.gc_force_path
     generic map (
       lanes_g          => lanes_g,
       filter_samples_g => filter_samples_g,
@@ -150,7 +150,7 @@ begin
       cfg_clear          => clear_encoder,
       in_valid           => begins,
       in_ready           => top_ready,
-      out_valid          => top_valid,
+      out_valid          => path_valid,
       out_force          => force_mn,
       out_current        => current,
       out_clamped        => clamped,
@@ -184,8 +184,8 @@ begin
         start_count <= count;
         start_period <= period;
       end if;
-      -- one clock after gc_top, whose outputs hold
-      if top_valid = '1' then
+      -- one clock after gc_force_path, whose outputs hold
+      if path_valid = '1' then
         busy <= '0';
         number <= number + 1;
         result_count <= start_count;
@@ -210,7 +210,7 @@ begin
       clk         => clk,
       rst         => rst,
       run         => run,
-      in_valid    => top_valid,
+      in_valid    => path_valid,
       in_current  => current,
       cfg_limit   => resize(unsigned(words(in_settings, cfg_limit_c)), 31),
       cfg_slew    => resize(unsigned(words(in_settings, cfg_slew_c)), 31),
@@ -232,7 +232,7 @@ begin
       in_period             => period,
       in_referenced         => referenced,
       in_illegal            => illegal,
-      in_result             => top_valid,
+      in_result             => path_valid,
       in_clamped            => clamped,
       in_saturated          => saturated,
       in_settled            => settled,
@@ -298,7 +298,7 @@ begin
                & std_ulogic_vector(missed)
                & std_ulogic_vector(number);
 
-  -- In the clock of top_valid the forces are already those of the next number.
-  out_valid <= not top_valid;
+  -- In the clock of path_valid the forces are already those of the next number.
+  out_valid <= not path_valid;
 
 end architecture rtl;

@@ -1,7 +1,7 @@
-// Claims of gc_top about its outputs, for every behaviour of pins and configuration.
+// Claims of gc_force_path about its outputs, for every behaviour of pins and configuration.
 //
 // LATENCY: clocks from an accepted in_valid to out_valid.
-module top #(
+module force_path #(
     parameter LATENCY = 1
 ) (
     input clk,
@@ -20,7 +20,7 @@ module top #(
   wire [95:0] out_current, sts_count, sts_speed_period;
   wire [2:0] out_clamped, out_saturated, direction, speed_valid, speed_zero, referenced, illegal, glitch;
 
-  gc_top dut (
+  gc_force_path dut (
       .clk(clk), .rst(rst), .pin_a(pin_a), .pin_b(pin_b), .pin_z(pin_z), .cfg_home_enable(cfg_home_enable),
       .cfg_index_position(cfg_index_position), .cfg_clear(cfg_clear), .in_valid(in_valid), .in_ready(in_ready),
       .out_valid(out_valid), .out_force(out_force), .out_current(out_current), .out_clamped(out_clamped),

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 --
--- gc_top with an encoder model on the pins of each axis: the test moves the axes, the bench makes the edges.
+-- gc_force_path with an encoder model on the pins of each axis: the test moves the axes, the bench makes the edges.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -9,7 +9,7 @@ library ieee;
 library work;
   use work.gc_network_pkg.all;
 
-entity gc_top_bench is
+entity gc_force_path_bench is
   generic (
     lanes_g    : positive := 4;
     loadable_g : boolean := false
@@ -47,9 +47,9 @@ entity gc_top_bench is
     sts_bank         : out   std_ulogic_vector(1 downto 0);
     sts_bank_crc     : out   std_ulogic_vector(31 downto 0)
   );
-end entity gc_top_bench;
+end entity gc_force_path_bench;
 
-architecture sim of gc_top_bench is
+architecture sim of gc_force_path_bench is
 
   signal a          : std_ulogic_vector(inputs_c - 1 downto 0);
   signal b          : std_ulogic_vector(inputs_c - 1 downto 0);
@@ -77,7 +77,7 @@ begin
 
   end generate g_encoder;
 
-  i_top : entity work.gc_top
+  i_force_path : entity work.gc_force_path
     generic map (
       lanes_g    => lanes_g,
       loadable_g => loadable_g

@@ -1,5 +1,5 @@
-# Quartus and Radiant, gc_top alone: its clock, and pins without a timing relation to it. In a larger design the clock is
-# defined there.
+# Quartus and Radiant, gc_force_path alone: its clock, and pins without a timing relation to it. In a larger design the clock
+# is defined there.
 create_clock -name clk -period 25.000 [get_ports clk]
 
 # Each pin ends in a synchroniser.

@@ -1,4 +1,4 @@
-"""gc_top end to end: real robot poses through the encoder pins; every force and current equals the bit-true model.
+"""gc_force_path end to end: robot poses through the encoder pins; forces and currents equal the bit-true model.
 
 Leaves what the core answered in build/sim/, from which `make sim` prints its table and draws its pictures.
 """
@@ -31,13 +31,15 @@ CLOCK_NS = 2 * round(1e6 / CLOCKS_PER_PERIOD / 2)
 TRAVEL_CLOCKS = 1000  # the longest way between two poses here
 INFERENCE_CLOCKS = 100
 # From the forces of gc_core, beside which the compensator takes the speed, to the result.
-CLOCKS_BEHIND_CORE = vhdl_constant("gc_top", "compensator_clocks_c") + vhdl_constant("gc_top", "scaler_clocks_c") + 1
-LATENCY_CLOCKS = 45  # of gc_top with 2 lanes or more, with some to spare
+CLOCKS_BEHIND_CORE = (
+    vhdl_constant("gc_force_path", "compensator_clocks_c") + vhdl_constant("gc_force_path", "scaler_clocks_c") + 1
+)
+LATENCY_CLOCKS = 45  # of gc_force_path with 2 lanes or more, with some to spare
 DECODER_CLOCKS = 12  # synchroniser, filter and count, with some to spare
 
 
 class Bench:
-    """The axes and the core of gc_top_bench."""
+    """The axes and the core of gc_force_path_bench."""
 
     def __init__(self, dut):
         self.dut = dut
@@ -218,11 +220,11 @@ async def forces_that_do_not_fit(dut):
 
 def simulate_top(cocotb_test: str, **options) -> None:
     simulate(
-        "gc_top_bench",
-        "test_rtl_top",
+        "gc_force_path_bench",
+        "test_rtl_force_path",
         tests=f"{cocotb_test}$",
         label=options.pop("label", cocotb_test),
-        extra_sources=tuple(BENCHES / f"{name}.vhd" for name in ("gc_encoder_model", "gc_top_bench")),
+        extra_sources=tuple(BENCHES / f"{name}.vhd" for name in ("gc_encoder_model", "gc_force_path_bench")),
         **options,
     )
 

@@ -14,7 +14,7 @@ library work;
   use work.gc_network_pkg.all;
   use work.gc_image_pkg.all;
 
-entity gc_top is
+entity gc_force_path is
   generic (
     -- Neurons per clock; must divide the hidden size.
     lanes_g          : positive := 4;
@@ -81,9 +81,9 @@ entity gc_top is
     -- CRC-32 of the image in use, 0 with the ROM.
     sts_bank_crc       : out   std_ulogic_vector(31 downto 0)
   );
-end entity gc_top;
+end entity gc_force_path;
 
-architecture rtl of gc_top is
+architecture rtl of gc_force_path is
 
   -- Latencies of gc_compensator and gc_current_scaler, clocks.
   constant compensator_clocks_c : positive := 12;

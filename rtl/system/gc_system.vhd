@@ -110,7 +110,7 @@ begin
 
   rst <= not running;
 
-  i_host : entity work.gc_host
+  i_bus_side : entity work.gc_bus_side
     generic map (
       lanes_g    => lanes_g,
       clock_hz_g => clock_hz_g,
@@ -178,7 +178,7 @@ begin
       out_data  => core_load
     );
 
-  i_controller : entity work.gc_controller
+  i_core_side : entity work.gc_core_side
     generic map (
       lanes_g          => lanes_g,
       filter_samples_g => filter_samples_g,

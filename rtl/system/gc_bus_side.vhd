@@ -24,7 +24,7 @@ library work;
   use work.gc_safety_pkg.all;
   use work.gc_system_pkg.all;
 
-entity gc_host is
+entity gc_bus_side is
   generic (
     -- What the registers say of the core: neurons per clock, Hz, whether it has banks.
     lanes_g    : positive := 4;
@@ -67,9 +67,9 @@ entity gc_host is
     in_valid      : in    std_ulogic;
     in_state      : in    state_t
   );
-end entity gc_host;
+end entity gc_bus_side;
 
-architecture rtl of gc_host is
+architecture rtl of gc_bus_side is
 
   constant load_key_c : word_t := x"4B455953";
 
