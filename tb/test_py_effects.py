@@ -3,6 +3,7 @@
 Friction is what the motor has to give beside the statics, so it has the sign of the motion.
 """
 
+import ast
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,12 +14,11 @@ from scipy.linalg import expm
 from scipy.stats import binom, chi2
 
 from codes import ROOT
-from gravcomp.diagnosis import effects as registry
+from gravcomp.diagnosis.candidate import Parameter, Term
 from gravcomp.diagnosis.effects import EFFECTS, NAMES, effect_named
 from gravcomp.diagnosis.fit import fit_terms
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.periodogram import find_lines, pitch_of
-from gravcomp.diagnosis.search import Term
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 from gravcomp.robot.kinematics import direct_kinematics
@@ -223,7 +223,7 @@ every_class = pytest.mark.parametrize("kind", EFFECTS, ids=[kind.__name__ for ki
 
 
 def effect_of(case: Case):
-    return getattr(registry, case.kind)()
+    return next(kind for kind in EFFECTS if kind.__name__ == case.kind)()
 
 
 def stem(label: str) -> str:
@@ -238,6 +238,22 @@ def inner(force: np.ndarray) -> np.ndarray:
 def test_vocabulary_is_the_contract_and_every_effect_has_a_case():
     assert set(NAMES) == set(CONTRACT), "state name, units and place of a new effect in CONTRACT"
     assert {kind.__name__ for kind in EFFECTS} == {case.kind for case in CASES.values()}, "add a case for a new effect"
+
+
+def test_no_other_module_of_the_diagnosis_knows_an_effect_by_name():
+    rooms = [ROOT / "sim" / "gravcomp" / room for room in ("diagnosis", "loop", "logs")]
+    modules = [path for room in rooms for path in room.rglob("*.py") if path.parent.name != "effects"]
+    assert len(modules) > 15
+    known = {*NAMES} | {kind.__name__ for kind in EFFECTS}
+    assert {path.name: found for path in modules if (found := words_of(path) & known)} == {}
+
+
+def words_of(path) -> set[str]:
+    """Strings and names in the code of a module; prose is free."""
+    nodes = list(ast.walk(ast.parse(path.read_text())))
+    strings = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+    names = {getattr(node, "id", None) or getattr(node, "name", None) for node in nodes}
+    return strings | {name for name in names if isinstance(name, str)}
 
 
 @every_class
@@ -352,7 +368,7 @@ def fitted(effect, data, residual, shapes):
     shape = min(shapes, key=misfit)
     term = Term(effect, tuple(effect.columns(data, shape)), shape)
     noise = np.full(data.n_axes, NOISE_N)
-    return fit_terms(data, residual, np.arange(len(residual)), [term], noise).effects[0]
+    return fit_terms(data, residual, np.arange(len(residual)), [term], [], noise).effects[0]
 
 
 def test_passive_joint_of_an_axis_at_rest_has_no_friction():
@@ -376,6 +392,6 @@ def test_drift_over_temperature_is_refused_on_a_log_without():
 
 def test_fit_of_data_without_noise_is_certain():
     data = holds(50, 1)
-    term = Term(effect_named("coulomb_friction"), ("fc_1", "fc_2", "fc_3"))
-    entry = fit_terms(data, np.sign(data.v), np.arange(50), [term], np.full(3, 1e-9)).effects[0]
+    term = Term(effect_named("coulomb_friction"), tuple(Parameter("fc", axis) for axis in range(3)))
+    entry = fit_terms(data, np.sign(data.v), np.arange(50), [term], [], np.full(3, 1e-9)).effects[0]
     assert entry.p_value == 0.0

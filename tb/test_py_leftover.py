@@ -1,16 +1,14 @@
 """What is left after a fit: structure is found with its axis and variable, noise and a handful of samples give none."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from gravcomp.diagnosis.corrections import Correction
+from gravcomp.diagnosis.candidate import Parameter, Term, Variable
+from gravcomp.diagnosis.corrections import Table
 from gravcomp.diagnosis.effects.coulomb_friction import CoulombFriction
 from gravcomp.diagnosis.effects.thermal_drift import ThermalDrift
 from gravcomp.diagnosis.fit import Entry, Fit
 from gravcomp.diagnosis.leftover import drivers, find
-from gravcomp.diagnosis.search import Term
 from gravcomp.diagnosis.split import block_labels
 from measured_samples import holds, motion
 
@@ -63,22 +61,21 @@ def test_few_samples_are_not_asked():
     assert left_in(few, {2: 5 * np.sign(few.q[:, 0])}) == []
 
 
-def entry_of(source, labels, parameters):
-    return Entry(Term(source, labels), parameters, {}, 0.0)
+def entry_of(candidate, parameters):
+    named = {Parameter.parse(name): value for name, value in parameters.items()}
+    return Entry(Term(candidate, tuple(named)), named, {}, 0.0)
 
 
 def drivers_of(effects, corrections, left, before):
-    shares = {entry.key: 0.4 for entry in effects + corrections}
-    return drivers(SimpleNamespace(
-        data=HOLDS, fit=Fit(effects, corrections), left=left, shares=shares, before=before,
-        after=0.5 * before, is_test=np.arange(600) < 150,
-    ))  # fmt: skip
+    fit = Fit(tuple(effects), tuple(corrections))
+    shares = {entry.name: 0.4 for entry in fit.entries}
+    return drivers(HOLDS, np.arange(600) < 150, before, 0.5 * before, fit, shares, left)
 
 
 def test_drivers_are_unexplained_structure_first_then_what_effects_follow():
-    friction = entry_of(CoulombFriction(), ("fc_2",), {"fc_2": 0.5})
-    table = Correction(2, "table", ("q1",), (-0.08, 0.0, 0.08))
-    bowl = entry_of(table, ("value_0", "value_1", "value_2"), {"value_0": 1.0, "value_1": 0.0, "value_2": 1.0})
+    friction = entry_of(CoulombFriction(), {"fc_2": 0.5})
+    table = Table(2, (Variable("q", 0),), (-0.08, 0.0, 0.08))
+    bowl = entry_of(table, {"value_0": 1.0, "value_1": 0.0, "value_2": 1.0})
     before = np.ones(HOLDS.shape)
     found = drivers_of([friction], [bowl], [{"axis": 1, "variable": "t", "share": 0.2}], before)
     assert [(item["axis"], item["variable"]) for item in found] == [(3, "q1"), (1, "t"), (2, "dir2")]
@@ -87,12 +84,12 @@ def test_drivers_are_unexplained_structure_first_then_what_effects_follow():
 
 
 def test_drivers_of_drift_is_the_temperature_where_it_is_measured():
-    drift = entry_of(ThermalDrift(), ("gain_1",), {"gain_1": 1e-3, "t0_1": 30.0})
+    drift = entry_of(ThermalDrift(), {"gain_1": 1e-3, "t0_1": 30.0})
     assert [(item["axis"], item["variable"]) for item in drivers_of([drift], [], [], np.ones(HOLDS.shape))] == [
         (1, "temp")
     ]
 
 
 def test_drivers_too_small_to_matter_are_not_told():
-    friction = entry_of(CoulombFriction(), ("fc_2",), {"fc_2": 0.05})
+    friction = entry_of(CoulombFriction(), {"fc_2": 0.05})
     assert drivers_of([friction], [], [], np.ones(HOLDS.shape)) == []

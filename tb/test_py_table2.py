@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from gravcomp.cli import main
+from gravcomp.diagnosis.candidate import Parameter, Term
 from gravcomp.diagnosis.effects.coulomb_friction import CoulombFriction
 from gravcomp.diagnosis.fit import Entry, Fit
-from gravcomp.diagnosis.search import Term
 from gravcomp.network.activation import gamma
 from gravcomp.network.weights import load_network
 from gravcomp.robot.kinematics import inverse_kinematics
@@ -120,8 +120,8 @@ def test_training_on_noise_stays_near_the_network_it_started_from(way):
 
 
 def test_core_holds_the_statics_without_effects_and_adds_friction_with_them(outward):
-    friction = Entry(Term(CoulombFriction(), ("fc_1",)), {"fc_1": 1.5}, {}, 0.0)
-    plain, rubbing = (build_core(Fit(list(e), []), outward, NETWORK, P, 150, 7) for e in ((), (friction,)))
+    friction = Entry(Term(CoulombFriction(), (Parameter("fc", 0),)), {Parameter("fc", 0): 1.5}, {}, 0.0)
+    plain, rubbing = (build_core(Fit(e), outward, NETWORK, P, 150, 7) for e in ((), (friction,)))
     assert isinstance(plain, FieldCore)
     assert rms(plain.forces(outward) - outward.nominal) < 0.3
     added = rubbing.forces(outward) - plain.forces(outward)

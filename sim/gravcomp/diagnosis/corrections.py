@@ -9,98 +9,152 @@ from dataclasses import dataclass
 import numpy as np
 from sklearn.preprocessing import PolynomialFeatures
 
+from gravcomp.diagnosis.candidate import Candidate, Parameter, Variable, on_axis, variables
+from gravcomp.diagnosis.periodogram import find_lines, step_in
+from gravcomp.diagnosis.thresholds import EMPIRICAL_PRICE, SCAN_PRICE
 from gravcomp.logs.measurement import Measurement
 
 _SURFACE_DEGREE = 3
 
 
 @dataclass(frozen=True)
-class Correction:
-    """What the residual of one axis follows: ``variables`` for people, ``shape`` for the computation.
-
-    kind "table": hat functions over knots of one variable, times the axis' direction if ``by_direction``;
-    "line", "product": one or two variables as they are; "wave": sin and cos of a frequency in time, Hz;
-    "step": another level from a time on; "surface": polynomial of all positions.
-    """
+class Correction(Candidate):
+    """What the residual of one axis (from 0) follows: ``variables`` for people, ``shape`` for the computation."""
 
     axis: int
-    kind: str
-    variables: tuple[str, ...]
+    variables: tuple[Variable, ...]
     shape: tuple[float, ...] = ()
     by_direction: bool = False
 
+    kind = ""
+    price = EMPIRICAL_PRICE
+
     @property
-    def label(self) -> str:
+    def name(self) -> str:
         return f"axis {self.axis + 1}: {' and '.join(self.variables)}"
 
-    def columns(self, data: Measurement) -> np.ndarray:
-        """Regressors (n, p) of this axis."""
-        if self.kind == "wave":
-            angle = 2.0 * np.pi * self.shape[0] * (data.t_s - data.t_s[0])
-            return np.column_stack([np.sin(angle), np.cos(angle)])
-        if self.kind == "step":
-            return np.column_stack([data.t_s > self.shape[0], np.ones(len(data.t_s))]).astype(float)
-        if self.kind == "surface":
-            half = np.asarray(self.shape).reshape(2, -1)
-            return PolynomialFeatures(_SURFACE_DEGREE).fit_transform((data.q - half[0]) / half[1])
-        if self.kind == "product":
-            return (variable(data, self.variables[0]) * variable(data, self.variables[1]))[:, None]
-        x = variable(data, self.variables[0])
-        if self.kind == "line":
-            return x[:, None]
+    @property
+    def is_of_position(self) -> bool:
+        """Does it depend on positions (or model forces, which follow from them) alone?"""
+        return all(variable.kind in ("q", "f") for variable in self.variables) and not self.by_direction
+
+    def regressors(self, data: Measurement) -> np.ndarray:
+        """Columns (n, p) on its axis."""
+        raise NotImplementedError
+
+    def columns(self, data, shape=None):
+        own = self.regressors(data).T
+        return {Parameter(f"value_{k}"): on_axis(data, self.axis, column) for k, column in enumerate(own)}
+
+    def predict(self, data, parameters):
+        return on_axis(data, self.axis, self.regressors(data) @ np.array(list(parameters.values())))
+
+    def follows(self, data, force):
+        """The variable that its force varies with most first."""
+        own = sorted(self.variables, key=lambda variable: -_explained(variable.of(data), force[:, self.axis]))
+        return [(self.axis, variable) for variable in own]
+
+
+class Table(Correction):
+    """Hat functions over the knots ``shape`` of one variable, times the axis' direction if ``by_direction``."""
+
+    kind = "table"
+
+    def regressors(self, data):
+        x = self.variables[0].of(data)
         hats = np.column_stack([np.interp(x, self.shape, hat) for hat in np.eye(len(self.shape))])
         return hats * data.direction[:, [self.axis]] if self.by_direction else hats
 
 
-def variable(data: Measurement, name: str) -> np.ndarray:
-    """A measured variable by the name that the report uses: q1, v1, dir1, f1 (model), a1, t, temp; (n,)."""
-    if name == "t":
-        return data.t_s
-    if name == "temp":
-        return data.temp_c
-    stem, axis = name.rstrip("0123456789"), int(name.lstrip("abcdefghijklmnopqrstuvwxyz")) - 1
-    source = {"q": "q", "v": "v", "dir": "direction", "f": "nominal", "a": "acceleration"}[stem]
-    return getattr(data, source)[:, axis]
+class Line(Correction):
+    """One variable as it is."""
+
+    kind = "line"
+
+    def regressors(self, data):
+        return self.variables[0].of(data)[:, None]
 
 
-def variable_names(data: Measurement) -> list[str]:
-    """Every measured variable that varies in this data."""
-    axes = range(1, data.n_axes + 1)
-    names = [f"q{i}" for i in axes] + [f"f{i}" for i in axes]
-    if data.has_velocity:
-        names += [f"v{i}" for i in axes] + [f"dir{i}" for i in axes]
-    names += ["t"] + (["temp"] if data.temp_c is not None else [])
-    return [name for name in names if np.ptp(variable(data, name)) > 0.0]
+class Product(Correction):
+    """Two variables, multiplied."""
+
+    kind = "product"
+
+    def regressors(self, data):
+        return (self.variables[0].of(data) * self.variables[1].of(data))[:, None]
+
+
+class Wave(Correction):
+    """Sine and cosine of a frequency in time, ``shape`` in Hz."""
+
+    kind = "wave"
+    price = EMPIRICAL_PRICE + SCAN_PRICE
+    is_periodic = True
+
+    def regressors(self, data):
+        angle = 2.0 * np.pi * self.shape[0] * (data.t_s - data.t_s[0])
+        return np.column_stack([np.sin(angle), np.cos(angle)])
+
+
+class Step(Correction):
+    """Another level from the time ``shape`` on."""
+
+    kind = "step"
+
+    def regressors(self, data):
+        return np.column_stack([data.t_s > self.shape[0], np.ones(len(data.t_s))]).astype(float)
+
+
+class Surface(Correction):
+    """Polynomial of all positions; ``shape`` holds centres, then half ranges."""
+
+    kind = "surface"
+
+    def regressors(self, data):
+        centre, half = np.asarray(self.shape).reshape(2, -1)
+        return PolynomialFeatures(_SURFACE_DEGREE).fit_transform((data.q - centre) / half)
+
+
+KINDS = {kind.kind: kind for kind in (Table, Line, Product, Wave, Step, Surface)}
 
 
 def candidates(data: Measurement) -> list[Correction]:
-    """Every correction that the search tries, waves in time excepted: a scan of the residual proposes those."""
-    out, n = [], len(data.t_s)
+    """Every correction that the search tries, those in time excepted: a scan of the residual proposes them."""
+    out, n, every = [], len(data.t_s), variables(data)
     sizes = (7, 15) if n >= 600 else (6,)
     for axis in range(data.n_axes):
-        for name in variable_names(data):
-            x = variable(data, name)
-            if name.startswith("dir"):
-                out.append(Correction(axis, "line", (name,)))
+        direction = Variable("dir", axis)
+        for variable in every:
+            if variable.kind not in ("t", "temp"):
+                out.append(Line(axis, (variable,)))
+            if variable.kind == "dir":
                 continue
-            if name not in ("t", "temp"):
-                out.append(Correction(axis, "line", (name,)))
-            fine = (30,) if n >= 600 and name == f"q{axis + 1}" else ()
+            is_own = variable.axis == axis
+            fine = (30,) if n >= 600 and is_own and variable.kind == "q" else ()
             for size in sizes + fine:
-                knots = _knots(x, size)
+                knots = _knots(variable.of(data), size)
                 if len(knots) < 3:
                     continue
-                out.append(Correction(axis, "table", (name,), knots))
-                if data.has_velocity and name[0] in "qf" and int(name[1:]) == axis + 1:
-                    out.append(Correction(axis, "table", (name, f"dir{axis + 1}"), knots, by_direction=True))
-        if data.n_axes > 1 and n >= 200 and data.n_axes <= 3:
+                out.append(Table(axis, (variable,), knots))
+                if data.has_velocity and is_own and variable.kind in ("q", "f"):
+                    out.append(Table(axis, (variable, direction), knots, by_direction=True))
+        if 1 < data.n_axes <= 3 and n >= 200:
             centre, half = data.q.mean(axis=0), np.ptp(data.q, axis=0) / 2
             if (half > 0).all():
-                names = tuple(f"q{i + 1}" for i in range(data.n_axes))
-                out.append(Correction(axis, "surface", names, (*centre, *half)))
-        own = [f"q{axis + 1}"] + ([f"v{axis + 1}"] if data.has_velocity else [])
-        others = [name for name in variable_names(data) if name[0] in "qvf" and name not in own]
-        out += [Correction(axis, "product", (a, b)) for a in own for b in others]
+                out.append(Surface(axis, tuple(Variable("q", i) for i in range(data.n_axes)), (*centre, *half)))
+        own = [Variable(kind, axis) for kind in ("q", "v")[: 1 + data.has_velocity]]
+        others = [variable for variable in every if variable.kind in ("q", "v", "f") and variable not in own]
+        out += [Product(axis, (a, b)) for a in own for b in others]
+    return out
+
+
+def scanned(data: Measurement, rows: np.ndarray, step: np.ndarray, wave: np.ndarray) -> list[Correction]:
+    """Steps and waves in time that scans of two residuals (rows, k) propose."""
+    out, time = [], (Variable("t"),)
+    for axis in range(data.n_axes):
+        out.append(Step(axis, time, (step_in(data.t_s[rows], step[:, axis]),)))
+        lines = find_lines(data.t_s[rows], wave[:, [axis]], 2)
+        out += [Wave(axis, time, (frequency,)) for frequency, _ in lines]
     return out
 
 
@@ -112,3 +166,12 @@ def _knots(x: np.ndarray, size: int) -> tuple[float, ...]:
             filled.append(knot)
     filled[-1] = uniform[-1]  # no sample lies beyond: a straight line is always within the table
     return tuple(float(k) for k in filled)
+
+
+def _explained(x: np.ndarray, y: np.ndarray, n_bins: int = 30) -> float:
+    """Correlation ratio: variance of y between quantile bins of x."""
+    edges = np.unique(np.quantile(x, np.linspace(0, 1, n_bins + 1)[1:-1]))
+    bins = np.searchsorted(edges, x)
+    count = np.bincount(bins, minlength=len(edges) + 1)
+    mean = np.bincount(bins, y, len(edges) + 1) / np.maximum(count, 1)
+    return float((count * (mean - y.mean()) ** 2).sum() - count.astype(bool).sum() * y.var())

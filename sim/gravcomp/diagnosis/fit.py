@@ -1,122 +1,128 @@
 """Exact fit of chosen terms: effects by their own equations, corrections linearly; Huber weights by outer turns."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 from scipy.optimize import least_squares
 
-from gravcomp.diagnosis.search import Term
+from gravcomp.diagnosis.candidate import Parameter, Term
+from gravcomp.diagnosis.thresholds import HUBER, MAD_TO_SIGMA, TINY
 from gravcomp.logs.measurement import Measurement
 
-_HUBER = 2.5
 _TURNS = 2
 
 
-@dataclass
+@dataclass(frozen=True)
 class Entry:
-    """One fitted term: parameters by name, 95 % intervals, p-value of the whole."""
+    """One fitted term: parameters by name, 95 % intervals (of effects), p-value of the whole."""
 
     term: Term
-    parameters: dict[str, float]
-    intervals: dict[str, tuple[float, float]]
+    parameters: Mapping[Parameter, float]
+    intervals: Mapping[Parameter, tuple[float, float]]
     p_value: float
 
     @property
     def name(self) -> str:
         return self.term.name
 
-    @property
-    def key(self) -> str:
-        return self.term.name
-
     def force(self, data: Measurement) -> np.ndarray:
         """Predicted force (n, k)."""
-        if self.term.is_physical:
-            return self.term.source.predict(data, self.parameters)
-        force = np.zeros(data.shape)
-        force[:, self.term.source.axis] = self.term.source.columns(data) @ np.array(list(self.parameters.values()))
-        return force
+        return self.term.candidate.predict(data, self.parameters)
 
 
-@dataclass
+@dataclass(frozen=True)
 class Fit:
-    effects: list[Entry]
-    corrections: list[Entry]
+    effects: tuple[Entry, ...] = ()
+    corrections: tuple[Entry, ...] = ()
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        return self.effects + self.corrections
 
     @property
     def n_parameters(self) -> int:
-        return sum(len(entry.parameters) for entry in self.effects + self.corrections)
+        return sum(len(entry.parameters) for entry in self.entries)
 
     def predict(self, data: Measurement) -> np.ndarray:
-        return sum((entry.force(data) for entry in self.effects + self.corrections), np.zeros(data.shape))
+        return sum((entry.force(data) for entry in self.entries), np.zeros(data.shape))
 
 
-def fit_terms(data: Measurement, residual: np.ndarray, rows: np.ndarray, terms: list[Term], noise: np.ndarray) -> Fit:
+def fit_terms(
+    data: Measurement, residual: np.ndarray, rows: np.ndarray, effects: list[Term], corrections: list[Term], noise
+) -> Fit:
     """Fit all terms together on the given rows; noise (k,) weighs the axes."""
-    if not terms:
-        return Fit([], [])
-    y, scale = residual[rows], np.maximum(noise, 1e-300)
+    if not effects and not corrections:
+        return Fit()
+    y, scale = residual[rows], np.maximum(noise, TINY)
     sure = (~data.is_undecided[rows]).astype(float)
     weight = sure
-    start = _linear_start(data, y, rows, terms, sure / scale)
+    start = _linear_start(data, y, rows, effects, corrections, sure / scale)
+    fixed = [_stacked(data, rows, term) for term in corrections]
     for _ in range(_TURNS):
-        values, jacobian, left = _solve(data, y, rows, terms, start, np.sqrt(weight) / scale)
-        spread = 1.4826 * np.median(np.abs(left), axis=0) + 1e-300
-        weight = sure * np.minimum(1.0, _HUBER * spread / np.maximum(np.abs(left), 1e-300))
-        start = values
-    return _entries(terms, values, jacobian, left / scale * np.sqrt(weight))
+        solution = _solve(data, y, rows, effects, fixed, start, np.sqrt(weight) / scale)
+        spread = MAD_TO_SIGMA * np.median(np.abs(solution.left), axis=0) + TINY
+        weight = sure * np.minimum(1.0, HUBER * spread / np.maximum(np.abs(solution.left), TINY))
+        start = solution.values
+    return _entries(effects, corrections, solution, solution.left / scale * np.sqrt(weight))
 
 
-def _linear_start(data, y, rows, terms, weight) -> list[dict[str, float]]:
-    """Coefficients of the linearised terms, turned into parameters."""
-    blocks = []
-    for term in terms:
-        if term.is_physical:
-            columns = term.source.columns(data, term.shape)
-            blocks.append(np.stack([(columns[label][rows] * weight).ravel() for label in term.labels], axis=-1))
-        else:
-            full = np.zeros((*y.shape, len(term.labels)))
-            axis = term.source.axis
-            full[:, axis] = term.source.columns(data)[rows] * weight[:, [axis]]
-            blocks.append(full.reshape(-1, len(term.labels)))
-    x = np.hstack(blocks)
-    norm = np.linalg.norm(x, axis=0) + 1e-300
+def _stacked(data, rows, term: Term) -> np.ndarray:
+    """Regressors (m, k, p) of a term."""
+    columns = term.candidate.columns(data, term.shape)
+    return np.stack([columns[label][rows] for label in term.labels], axis=-1)
+
+
+def _linear_start(data, y, rows, effects, corrections, weight) -> list[dict[Parameter, float]]:
+    """Coefficients of the linearised terms, turned into parameters of the effects."""
+    terms = [*effects, *corrections]
+    blocks = [_stacked(data, rows, term) * weight[..., None] for term in terms]
+    x = np.concatenate(blocks, axis=-1).reshape(y.size, -1)
+    norm = np.linalg.norm(x, axis=0) + TINY
     theta = np.linalg.lstsq(x / norm, (y * weight).ravel(), rcond=1e-9)[0] / norm
     out, at = [], 0
-    for term in terms:
+    for term in effects:
         own = dict(zip(term.labels, theta[at : at + len(term.labels)].tolist(), strict=True))
         at += len(term.labels)
         out.append(_parameters(term, own))
     return out
 
 
-def _parameters(term: Term, coefficients: dict[str, float]) -> dict[str, float]:
-    if not term.is_physical:
-        return coefficients
-    axes = {label.rsplit("_", 1)[-1] for label in term.labels}
-    shape = {name: value for name, value in term.shape.items()
-             if not name[-1].isdigit() or name.rsplit("_", 1)[-1] in axes}  # fmt: skip
-    found = term.source.parameters(shape, coefficients)
-    return {name: value for name, value in found.items() if isinstance(value, float)}
+def _parameters(term: Term, coefficients: dict[Parameter, float]) -> dict[Parameter, float]:
+    axes = {label.axis for label in term.labels}
+    shape = {name: value for name, value in term.shape.items() if getattr(name, "axis", None) in axes | {None}}
+    found = term.candidate.parameters(shape, coefficients)
+    return {name: float(value) for name, value in found.items() if isinstance(value, float)}
 
 
-def _solve(data, y, rows, terms, start, weight):
-    """Least squares over the effects' parameters, corrections projected out; returns values, Jacobian, residual."""
-    names = [(k, name) for k, term in enumerate(terms) if term.is_physical for name in start[k]]
+@dataclass(frozen=True)
+class _Solution:
+    """Parameters of each effect, coefficients of each correction; their names, values and Jacobian; residual (m, k)."""
+
+    values: list[dict[Parameter, float]]
+    coefficients: list[np.ndarray]
+    names: list[tuple[int, Parameter]]
+    x: np.ndarray
+    jacobian: np.ndarray
+    left: np.ndarray
+
+
+def _solve(data, y, rows, effects, fixed, start, weight) -> _Solution:
+    """Least squares over the effects' parameters, corrections projected out."""
+    names = [(k, name) for k in range(len(effects)) for name in start[k]]
     x0 = np.array([start[k][name] for k, name in names])
     size = np.maximum(np.abs(x0), 1e-9)
-    positive = [_positive(term) for term in terms]
-    columns = {k: term.source.columns(data)[rows] for k, term in enumerate(terms) if not term.is_physical}
-    basis = _basis(y.shape, [terms[k].source.axis for k in columns], list(columns.values()), weight)
-    q = np.linalg.svd(basis, full_matrices=False)[0][:, : np.linalg.matrix_rank(basis)] if columns else basis
+    positive = [_positive(term) for term in effects]
+    basis = np.concatenate([np.zeros((*y.shape, 0)), *fixed], axis=-1)
+    weighted = (basis * weight[..., None]).reshape(y.size, -1)
+    q = np.linalg.svd(weighted, full_matrices=False)[0][:, : np.linalg.matrix_rank(weighted)] if fixed else weighted
+
+    def own(x, k):
+        return {name: float(x[j]) for j, (m, name) in enumerate(names) if m == k}
 
     def physical(x):
-        force = np.zeros(data.shape)
-        for k, term in enumerate(terms):
-            if term.is_physical:
-                own = {name: x[j] for j, (m, name) in enumerate(names) if m == k}
-                force = force + term.source.predict(data, own)
+        force = sum((term.candidate.predict(data, own(x, k)) for k, term in enumerate(effects)), np.zeros(data.shape))
         return force[rows]
 
     def error(scaled):
@@ -129,53 +135,37 @@ def _solve(data, y, rows, terms, start, weight):
         found = least_squares(error, np.maximum(x0 / size, low), bounds=(low, np.inf), x_scale="jac", max_nfev=12)
         x, jacobian = found.x * size, found.jac / size
     left = y - (physical(x) if names else 0.0)
-    theta = np.linalg.lstsq(basis, (left * weight).ravel(), rcond=1e-9)[0] if columns else np.zeros(0)
-    values, at = [], 0
-    for k, term in enumerate(terms):
-        if term.is_physical:
-            values.append({name: float(x[j]) for j, (m, name) in enumerate(names) if m == k})
-        else:
-            values.append(dict(zip(term.labels, theta[at : at + len(term.labels)].tolist(), strict=True)))
-            at += len(term.labels)
-    if columns:
-        fitted = np.zeros_like(y)
-        for k, own in columns.items():
-            fitted[:, terms[k].source.axis] += own @ np.array(list(values[k].values()))
-        left = left - fitted
-    return values, (names, x, jacobian), left
+    theta = np.linalg.lstsq(weighted, (left * weight).ravel(), rcond=1e-9)[0] if fixed else np.zeros(0)
+    ends = np.cumsum([columns.shape[-1] for columns in fixed])[:-1] if fixed else []
+    values = [own(x, k) for k in range(len(effects))]
+    return _Solution(values, np.split(theta, ends), names, x, jacobian, left - basis @ theta)
 
 
-def _basis(shape, axes, columns, weight) -> np.ndarray:
-    """Columns (n, m) of each correction, weighted, as forces of all axes one below the other (n k, sum of m)."""
-    basis = np.zeros((*shape, sum(own.shape[1] for own in columns)))
-    at = 0
-    for axis, own in zip(axes, columns, strict=True):
-        basis[:, axis, at : at + own.shape[1]] = own * weight[:, [axis]]
-        at += own.shape[1]
-    return basis.reshape(shape[0] * shape[1], basis.shape[-1])
-
-
-def _positive(term: Term) -> set[str]:
+def _positive(term: Term) -> set[Parameter]:
     """Parameters that physics makes positive."""
-    contrasts = term.source.contrasts(list(term.labels)) if term.is_physical else []
+    contrasts = term.candidate.contrasts(term.labels)
     return {label for contrast in contrasts if len(contrast) == 1 for label in contrast}
 
 
-def _entries(terms, values, solution, normed) -> Fit:
+def _entries(effects, corrections, found: _Solution, normed) -> Fit:
     """Intervals from the Jacobian, widened for autocorrelated noise."""
-    names, x, jacobian = solution
+    x, jacobian = found.x, found.jacobian
     freedom = max(normed.size - jacobian.shape[1], 1)
     variance = np.sum(normed**2) / freedom * _correlation(normed)
-    norm = np.linalg.norm(jacobian, axis=0) + 1e-300
+    norm = np.linalg.norm(jacobian, axis=0)
+    norm[norm == 0.0] = 1.0  # a parameter that moves nothing, as the phase of a wave of size zero
     covariance = np.linalg.pinv((jacobian / norm).T @ (jacobian / norm), rcond=1e-10) / norm[:, None] / norm * variance
     half = stats.t.ppf(0.975, freedom) * np.sqrt(np.maximum(np.diag(covariance), 0.0)) if len(x) else x
-    effects, corrections = [], []
-    for k, term in enumerate(terms):
-        own = [j for j, (m, _) in enumerate(names) if m == k]
-        intervals = {names[j][1]: (float(x[j] - half[j]), float(x[j] + half[j])) for j in own}
-        entry = Entry(term, values[k], intervals, _p_value(x[own], covariance[np.ix_(own, own)]) if own else 0.0)
-        (effects if term.is_physical else corrections).append(entry)
-    return Fit(effects, corrections)
+    named = []
+    for k, term in enumerate(effects):
+        own = [j for j, (m, _) in enumerate(found.names) if m == k]
+        intervals = {found.names[j][1]: (float(x[j] - half[j]), float(x[j] + half[j])) for j in own}
+        named.append(Entry(term, found.values[k], intervals, _p_value(x[own], covariance[np.ix_(own, own)])))
+    plain = [
+        Entry(term, dict(zip(term.labels, values.tolist(), strict=True)), {}, 0.0)
+        for term, values in zip(corrections, found.coefficients, strict=False)
+    ]
+    return Fit(tuple(named), tuple(plain))
 
 
 def _p_value(x, covariance) -> float:
@@ -188,5 +178,5 @@ def _p_value(x, covariance) -> float:
 
 def _correlation(normed: np.ndarray) -> float:
     r = np.clip(normed, -3, 3)
-    lag = np.sum(r[1:] * r[:-1]) / max(np.sum(r * r), 1e-300)
+    lag = np.sum(r[1:] * r[:-1]) / max(np.sum(r * r), TINY)
     return float((1 + max(lag, 0.0)) / (1 - min(max(lag, 0.0), 0.95)))

@@ -5,12 +5,10 @@ from sklearn.ensemble import ExtraTreesRegressor
 from sklearn.inspection import permutation_importance
 from sklearn.model_selection import GroupKFold
 
-from gravcomp.diagnosis.corrections import variable, variable_names
+from gravcomp.diagnosis.candidate import variables
+from gravcomp.diagnosis.fit import Fit
+from gravcomp.diagnosis.thresholds import LEFT_R2, LEFT_SAMPLES, LEFT_SAMPLES_USED, LEFT_SHARE, TINY
 
-_MIN_SAMPLES = 400
-_MAX_SAMPLES = 2500
-_MIN_R2 = 0.05
-_MIN_SHARE = 0.003
 _FOLDS = 4
 
 
@@ -21,11 +19,11 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     variance on average, some in every fold, and the mean is four standard errors above zero.
     """
     rows = rows[~data.is_undecided[rows].any(axis=1)]
-    if len(rows) < _MIN_SAMPLES:
+    if len(rows) < LEFT_SAMPLES:
         return []
-    rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), _MAX_SAMPLES)).astype(int)]
-    names = variable_names(data)
-    x = np.column_stack([variable(data, name)[rows] for name in names])
+    rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), LEFT_SAMPLES_USED)).astype(int)]
+    names = variables(data)
+    x = np.column_stack([name.of(data)[rows] for name in names])
     out = []
     for axis in range(data.n_axes):
         y = np.clip(after[rows, axis], -4 * noise[axis], 4 * noise[axis])
@@ -36,50 +34,31 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
             if np.mean(gains) > 0:
                 shuffled = permutation_importance(model, x[test], y[test], n_repeats=1, random_state=seed)
                 importance += shuffled.importances_mean
-        if np.mean(gains) > _MIN_R2 and np.mean(gains) > 4 * np.std(gains) / np.sqrt(_FOLDS) and np.min(gains) > 0:
+        if np.mean(gains) > LEFT_R2 and np.mean(gains) > 4 * np.std(gains) / np.sqrt(_FOLDS) and np.min(gains) > 0:
             top = int(importance.argmax())
             out.append({"axis": axis + 1, "variable": names[top], "share": float(np.mean(gains))})
     return out
 
 
-def drivers(d) -> list[dict]:
-    """For the report: what stays unexplained first, then what each effect follows; shares of the held-out variance."""
-    scale = np.sum(d.after[d.is_test] ** 2) / max(np.sum(d.before[d.is_test] ** 2), 1e-300)
+def drivers(data, is_test, before, after, fit: Fit, shares, left) -> list[dict]:
+    """For the report: what stays unexplained first, then what each effect follows; shares of the variance before.
+
+    is_test (n,); before, after (n, k) residuals; shares by the name of an entry; left as ``find`` gives it.
+    """
+    total = max(np.sum(before[is_test] ** 2), TINY)
     out = []
-    for entry in sorted(d.fit.corrections, key=lambda e: -d.shares[e.key]):
-        for name in _ordered(d, entry):
-            out.append({"axis": entry.term.source.axis + 1, "variable": name, "share": d.shares[entry.key]})
-    out += [{**item, "share": item["share"] * scale} for item in d.left]
-    for entry in d.fit.effects:
-        out += _of_effect(d, entry)
-    return [item for item in out if item["share"] >= _MIN_SHARE]
+    for entry in sorted(fit.corrections, key=lambda e: -shares[e.name]):
+        follows = entry.term.candidate.follows(data, entry.force(data))
+        out += [_item(axis, variable, shares[entry.name]) for axis, variable in follows]
+    out += [{**item, "share": item["share"] * np.sum(after[is_test] ** 2) / total} for item in left]
+    for entry in fit.effects:
+        force = entry.force(data)
+        out += [
+            _item(axis, variable, min(float(np.sum(force[is_test, axis] ** 2) / total), 1.0))
+            for axis, variable in entry.term.candidate.follows(data, force)
+        ]
+    return [item for item in out if item["share"] >= LEFT_SHARE]
 
 
-def _ordered(d, entry) -> list[str]:
-    """Variables of a correction, the one that its force varies with most first."""
-    names = list(entry.term.source.variables)
-    force = entry.force(d.data)[:, entry.term.source.axis]
-    return sorted(names, key=lambda name: -_explained(variable(d.data, name), force))
-
-
-def _of_effect(d, entry) -> list[dict]:
-    force = entry.force(d.data)[d.is_test]
-    total = max(np.sum(d.before[d.is_test] ** 2), 1e-300)
-    stem = entry.term.source.follows
-    if not stem:
-        return []
-    by_time = "temp" if d.data.temp_c is not None and np.ptp(d.data.temp_c) > 0 else "t"
-    return [
-        {"axis": int(axis) + 1, "variable": by_time if stem == "t" else f"{stem}{axis + 1}",
-         "share": min(float(np.sum(force[:, axis] ** 2) / total), 1.0)}
-        for axis in np.flatnonzero(np.any(force, axis=0))
-    ]  # fmt: skip
-
-
-def _explained(x: np.ndarray, y: np.ndarray, n_bins: int = 30) -> float:
-    """Correlation ratio: variance of y between quantile bins of x."""
-    edges = np.unique(np.quantile(x, np.linspace(0, 1, n_bins + 1)[1:-1]))
-    bins = np.searchsorted(edges, x)
-    count = np.bincount(bins, minlength=len(edges) + 1)
-    mean = np.bincount(bins, y, len(edges) + 1) / np.maximum(count, 1)
-    return float((count * (mean - y.mean()) ** 2).sum() - count.astype(bool).sum() * y.var())
+def _item(axis: int, variable: str, share: float) -> dict:
+    return {"axis": axis + 1, "variable": variable, "share": share}

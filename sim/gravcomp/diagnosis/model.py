@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.diagnosis.corrections import Correction
+from gravcomp.diagnosis.candidate import Parameter, Variable
+from gravcomp.diagnosis.corrections import KINDS, Correction
 from gravcomp.diagnosis.effects import NAMES, effect_named
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.errors import InputError
@@ -28,8 +29,8 @@ class Model:
         """This model with what was fitted on top of it."""
         return replace(
             self,
-            effects=self.effects + [(entry.name, entry.parameters) for entry in fit.effects],
-            corrections=self.corrections + [(e.term.source, tuple(e.parameters.values())) for e in fit.corrections],
+            effects=self.effects + [(entry.name, dict(entry.parameters)) for entry in fit.effects],
+            corrections=self.corrections + [(e.term.candidate, tuple(e.parameters.values())) for e in fit.corrections],
         )
 
     def predict(self, data: Measurement) -> np.ndarray:
@@ -45,7 +46,7 @@ class Model:
             except (KeyError, IndexError, ValueError) as error:
                 raise InputError(f"model: parameters of {name} do not fit the data ({error}); correct them") from error
         for correction, values in self.corrections:
-            force[:, correction.axis] += correction.columns(data) @ np.array(values)
+            force[:, correction.axis] += correction.regressors(data) @ np.array(values)
         return force
 
 
@@ -72,14 +73,14 @@ def _effect(path: Path, entry: dict) -> tuple[str, dict[str, float]]:
     for key, value in parameters.items():
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise InputError(f"{path}: [[effects]] {name} {key} = {value!r} is not a finite number; give one")
-    return name, {key: float(value) for key, value in parameters.items()}
+    return name, {Parameter.parse(key): float(value) for key, value in parameters.items()}
 
 
 def _correction(path: Path, entry: dict) -> tuple[Correction, tuple[float, ...]]:
     try:
         shape = tuple(float(x) for x in entry["shape"])
-        correction = Correction(int(entry["axis"]) - 1, entry["kind"], tuple(entry["variables"]), shape,
-                                bool(entry["by_direction"]))  # fmt: skip
+        names = tuple(Variable.parse(name) for name in entry["variables"])
+        correction = KINDS[entry["kind"]](int(entry["axis"]) - 1, names, shape, bool(entry["by_direction"]))
         return correction, tuple(float(x) for x in entry["values"])
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path}: [[empirical]] is not complete ({error}); correct or delete it") from error

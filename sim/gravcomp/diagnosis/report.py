@@ -33,7 +33,7 @@ def report(d: Diagnosis) -> dict:
         "effects": [
             {"name": entry.name, "params": entry.parameters,
              "ci95": {name: list(interval) for name, interval in entry.intervals.items()},
-             "p_value": entry.p_value, "share": d.shares[entry.key]}
+             "p_value": entry.p_value, "share": d.shares[entry.name]}
             for entry in d.fit.effects
         ],
         "alternatives": _unique(d.alternatives),

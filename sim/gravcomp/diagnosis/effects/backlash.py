@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_function, needs_velocity
 
 
@@ -9,7 +10,7 @@ class Backlash(Effect):
     """f_model(q - gap/2 z) - f_model(q) with z = sign(v); with a travel, z takes it to change sign in motion."""
 
     name = "backlash"
-    follows = "dir"
+    driver = "dir"
     equation = "f_model(q - gap/2 sign(v)) - f_model(q)"
     hardware = "none"
     units = {"gap": "[q]", "travel": "[q]"}  # noqa: RUF012
@@ -25,10 +26,10 @@ class Backlash(Effect):
 
     def columns(self, data, shape):
         lag = -0.5 * data.sensitivity * _side(data, shape)[:, None, :]
-        return {f"gap_{j + 1}": lag[..., j] for j in range(data.n_axes)}
+        return {Parameter("gap", j): lag[..., j] for j in range(data.n_axes)}
 
     def predict(self, data, parameters):
-        gap = np.array([parameters.get(f"gap_{j + 1}", 0.0) for j in range(data.n_axes)])
+        gap = np.array([parameters.get(Parameter("gap", j), 0.0) for j in range(data.n_axes)])
         return data.force_at(data.q - 0.5 * gap * _side(data, parameters)) - data.force_at(data.q)
 
 
@@ -43,15 +44,15 @@ class BacklashInMotion(Backlash):
     def shapes(self, data):
         stroke = np.ptp(data.q, axis=0)
         fractions = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
-        return [{f"travel_{j + 1}": f * stroke[j] for j in range(data.n_axes)} for f in fractions]
+        return [{Parameter("travel", j): f * stroke[j] for j in range(data.n_axes)} for f in fractions]
 
 
 def _side(data, parameters) -> np.ndarray:
     """z (n, k), -1..1: on which side of its gap each joint is."""
     side = data.direction.copy()
     for j in range(data.n_axes):
-        if f"travel_{j + 1}" in parameters:
-            side[:, j] = _crossing(data, j, parameters[f"travel_{j + 1}"])
+        if Parameter("travel", j) in parameters:
+            side[:, j] = _crossing(data, j, parameters[Parameter("travel", j)])
     return side
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
 from gravcomp.robot.parameters import RobotParameters
 from gravcomp.robot.statics import holding_forces_at
@@ -14,7 +15,7 @@ class BaseTilt(Effect):
     """f_model with gravity turned by a small rotation tilt_a, tilt_b, rad, about two axes perpendicular to it."""
 
     name = "base_tilt"
-    follows = "q"
+    driver = "q"
     equation = "f_model with gravity turned by a small rotation, less f_model"
     hardware = "network"
     units = {"tilt": "rad"}  # noqa: RUF012
@@ -27,7 +28,7 @@ class BaseTilt(Effect):
     def columns(self, data, shape):
         down = data.robot.gravity_direction
         return {
-            label: holding_forces_at(data.q, replace(data.robot, gravity_direction=np.cross(axis, down)))
+            Parameter(label): holding_forces_at(data.q, replace(data.robot, gravity_direction=np.cross(axis, down)))
             for label, axis in zip(("tilt_a", "tilt_b"), tilt_axes(down), strict=True)
         }
 

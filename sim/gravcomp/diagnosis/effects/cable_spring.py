@@ -2,18 +2,23 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, axes_in, by_axis
+from gravcomp.diagnosis.candidate import Parameter, axes_in, by_axis
+from gravcomp.diagnosis.effects.base import Effect
 
 
 class CableSpring(Effect):
     """k_i (q_i - q0_i)."""
 
     name = "cable_spring"
-    follows = "q"
+    driver = "q"
     equation = "k_i (q_i - q0_i)"
     hardware = "network"
     units = {"k": "[f]/[q]", "q0": "[q]"}  # noqa: RUF012
     complexity = 0.5
+    is_simple = True
+
+    def same_as(self, parameters):
+        return ("current_offset",)  # they differ by q0 only
 
     def columns(self, data, shape):
         return by_axis(data, "k", data.q) | by_axis(data, "c", np.ones(data.shape))
@@ -21,12 +26,12 @@ class CableSpring(Effect):
     def parameters(self, shape, coefficients):
         out = {}
         for i in axes_in(coefficients, "k"):
-            k, c = coefficients[f"k_{i + 1}"], coefficients[f"c_{i + 1}"]
-            out |= {f"k_{i + 1}": k, f"q0_{i + 1}": -c / k if k else 0.0}
+            k, c = coefficients[Parameter("k", i)], coefficients[Parameter("c", i)]
+            out |= {Parameter("k", i): k, Parameter("q0", i): -c / k if k else 0.0}
         return out
 
     def predict(self, data, parameters):
         force = np.zeros(data.shape)
         for i in axes_in(parameters, "k"):
-            force[:, i] = parameters[f"k_{i + 1}"] * (data.q[:, i] - parameters[f"q0_{i + 1}"])
+            force[:, i] = parameters[Parameter("k", i)] * (data.q[:, i] - parameters[Parameter("q0", i)])
         return force

@@ -2,51 +2,84 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, axis_of, on_axis
+from gravcomp.diagnosis.candidate import Parameter, on_axis
+from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.diagnosis.periodogram import find_lines, pitch_of
+from gravcomp.errors import InputError
+from gravcomp.network.compensation_csv import MAX_HARMONIC, no_compensation
 
 
 class Cogging(Effect):
     """Sum over harmonics h of A_ih sin(2 pi h q_i/pitch + p_ih)."""
 
     name = "cogging"
-    follows = "q"
+    driver = "q"
     equation = "sum over h of A_ih sin(2 pi h q_i/pitch + p_ih)"
     hardware = "compensator"
     units = {"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}  # noqa: RUF012
     complexity = 6.0
-
-    def __init__(self):
-        self.found: list[dict] = []  # pitch and harmonics that the scan of the residual proposes
+    is_periodic = True
 
     def shapes(self, data):
-        return self.found
+        return []
+
+    def scanned_shapes(self, data, rows, residual):
+        """Pitch and harmonics that all axes together, and each alone, show over their positions; the strongest line as
+        the fundamental, and as a harmonic of a longer pitch.
+        """
+        q = data.q[rows]
+        span = np.ptp(q, axis=0).max()
+        turn = 2.0 * np.pi if data.position_units and data.position_units[0] == "rad" else None
+        lines = [find_lines(q, residual)]
+        lines += [find_lines(q[:, [i]], residual[:, [i]]) for i in range(data.n_axes) if data.n_axes > 1]
+        found = {pitch_of(own, span, turn, divisors) for own in lines for divisors in (1, 6)}
+        return {(("pitch", pitch[0]), ("harmonics", pitch[1])) for pitch in found if pitch}
 
     def columns(self, data, shape):
         out = {}
         for i in range(data.n_axes):
             for h in shape["harmonics"]:
                 angle = 2.0 * np.pi * h * data.q[:, i] / shape["pitch"]
-                out[f"sin_{i + 1}_h{h}"] = on_axis(data, i, np.sin(angle))
-                out[f"cos_{i + 1}_h{h}"] = on_axis(data, i, np.cos(angle))
+                out[Parameter("sin", i, h)] = on_axis(data, i, np.sin(angle))
+                out[Parameter("cos", i, h)] = on_axis(data, i, np.cos(angle))
         return out
 
     def groups(self, labels):
-        return [{f"sin_{tail}", f"cos_{tail}"} for tail in dict.fromkeys(label.split("_", 1)[1] for label in labels)]
+        waves = dict.fromkeys((label.axis, label.harmonic) for label in labels)
+        return [{Parameter(stem, *wave) for stem in ("sin", "cos")} for wave in waves]
 
     def parameters(self, shape, coefficients):
-        out = {"pitch": shape["pitch"]}
+        out = {Parameter("pitch"): shape["pitch"]}
         for label, a in coefficients.items():
-            if label.startswith("sin_"):
-                tail = label.removeprefix("sin_")
-                b = coefficients[f"cos_{tail}"]
-                out |= {f"amplitude_{tail}": float(np.hypot(a, b)), f"phase_{tail}": float(np.arctan2(b, a))}
+            if label.stem == "sin":
+                b = coefficients[Parameter("cos", label.axis, label.harmonic)]
+                out[Parameter("amplitude", label.axis, label.harmonic)] = float(np.hypot(a, b))
+                out[Parameter("phase", label.axis, label.harmonic)] = float(np.arctan2(b, a))
         return out
 
     def predict(self, data, parameters):
         force = np.zeros(data.shape)
-        for label, amplitude in parameters.items():
-            if label.startswith("amplitude_"):
-                tail, i = label.removeprefix("amplitude_"), axis_of(label)
-                angle = 2.0 * np.pi * int(tail.split("_h")[1]) * data.q[:, i] / parameters["pitch"]
-                force[:, i] += amplitude * np.sin(angle + parameters[f"phase_{tail}"])
+        for axis, harmonic, amplitude, phase in _waves(parameters):
+            angle = 2.0 * np.pi * harmonic * data.q[:, axis] / parameters["pitch"]
+            force[:, axis] += amplitude * np.sin(angle + phase)
         return force
+
+    def constants(self, data, parameters):
+        waves = no_compensation(data.n_axes)
+        for axis, harmonic, amplitude_n, phase in _waves(parameters):
+            if harmonic > MAX_HARMONIC:
+                raise InputError(
+                    f"effect cogging: harmonic {harmonic} is above {MAX_HARMONIC}; delete it from the model"
+                )
+            waves.a_n[axis, harmonic - 1], waves.p_rad[axis, harmonic - 1] = amplitude_n, phase
+        return {"pitch_m": np.full(data.n_axes, parameters["pitch"]), "a_n": waves.a_n, "p_rad": waves.p_rad}
+
+
+def _waves(parameters) -> list[tuple[int, int, float, float]]:
+    """Axis, harmonic, amplitude and phase of each wave."""
+    own = [Parameter.parse(name) for name in parameters]
+    return [
+        (name.axis, name.harmonic, parameters[name], parameters[Parameter("phase", name.axis, name.harmonic)])
+        for name in own
+        if name.stem == "amplitude"
+    ]

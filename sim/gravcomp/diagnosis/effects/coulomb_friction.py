@@ -2,18 +2,20 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, by_axis, needs_velocity
+from gravcomp.diagnosis.candidate import Parameter, by_axis, per_axis
+from gravcomp.diagnosis.effects.base import Effect, needs_velocity
 
 
 class CoulombFriction(Effect):
     """fc_i sign(v_i)."""
 
     name = "coulomb_friction"
-    follows = "dir"
+    driver = "dir"
     equation = "fc_i sign(v_i), or fc_pos_i for v_i > 0 and -fc_neg_i for v_i < 0"
     hardware = "compensator"
     units = {"fc": "[f]", "fc_pos": "[f]", "fc_neg": "[f]"}  # noqa: RUF012
     positive = ("fc",)
+    is_simple = True
 
     unavailable = staticmethod(needs_velocity)
 
@@ -24,9 +26,17 @@ class CoulombFriction(Effect):
         force = np.zeros(data.shape)
         for i in range(data.n_axes):
             s = data.direction[:, i]
-            up, down = parameters.get(f"fc_pos_{i + 1}", 0.0), parameters.get(f"fc_neg_{i + 1}", 0.0)
-            force[:, i] = parameters.get(f"fc_{i + 1}", 0.0) * s + np.where(s > 0, up, np.where(s < 0, -down, 0.0))
+            up, down = parameters.get(Parameter("fc_pos", i), 0.0), parameters.get(Parameter("fc_neg", i), 0.0)
+            force[:, i] = parameters.get(Parameter("fc", i), 0.0) * s + np.where(s > 0, up, np.where(s < 0, -down, 0.0))
         return force
+
+    def same_as(self, parameters):
+        """By direction it is a symmetric one and an offset of (fc_pos - fc_neg)/2."""
+        return ("current_offset",) if any(name.startswith("fc_pos") for name in parameters) else ()
+
+    def constants(self, data, parameters):
+        both, up, down = (per_axis(parameters, stem, data.n_axes) for stem in ("fc", "fc_pos", "fc_neg"))
+        return {"fc_pos_n": both + up, "fc_neg_n": both + down}
 
 
 class DirectionalCoulombFriction(CoulombFriction):

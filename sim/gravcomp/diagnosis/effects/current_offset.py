@@ -2,18 +2,20 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, by_axis
+from gravcomp.diagnosis.candidate import by_axis
+from gravcomp.diagnosis.effects.base import Effect
 
 
 class CurrentOffset(Effect):
     """o_i."""
 
     name = "current_offset"
-    follows = ""
+    driver = ""
     equation = "o_i"
     hardware = "network"
     units = {"o": "[f]"}  # noqa: RUF012
     complexity = 0.5
+    is_simple = True
 
     def columns(self, data, shape):
         return by_axis(data, "o", np.ones(data.shape))

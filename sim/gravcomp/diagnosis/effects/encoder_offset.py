@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_function
 
 
@@ -9,7 +10,7 @@ class EncoderOffset(Effect):
     """f_model(q + offset) - f_model(q)."""
 
     name = "encoder_offset"
-    follows = "q"
+    driver = "q"
     equation = "f_model(q + offset) - f_model(q)"
     hardware = "network"
     units = {"offset": "[q]"}  # noqa: RUF012
@@ -19,8 +20,8 @@ class EncoderOffset(Effect):
     unavailable = staticmethod(needs_function)
 
     def columns(self, data, shape):
-        return {f"offset_{j + 1}": data.sensitivity[..., j] for j in range(data.n_axes)}
+        return {Parameter("offset", j): data.sensitivity[..., j] for j in range(data.n_axes)}
 
     def predict(self, data, parameters):
-        offset = np.array([parameters.get(f"offset_{j + 1}", 0.0) for j in range(data.n_axes)])
+        offset = np.array([parameters.get(Parameter("offset", j), 0.0) for j in range(data.n_axes)])
         return data.force_at(data.q + offset) - data.force_at(data.q)

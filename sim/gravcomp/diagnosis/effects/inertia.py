@@ -1,13 +1,14 @@
 """Mass that the model does not accelerate."""
 
-from gravcomp.diagnosis.effects.base import Effect, by_axis
+from gravcomp.diagnosis.candidate import by_axis
+from gravcomp.diagnosis.effects.base import Effect
 
 
 class Inertia(Effect):
     """m_i a_i, a from the data."""
 
     name = "inertia"
-    follows = "a"
+    driver = "a"
     equation = "m_i a_i"
     hardware = "none"
     units = {"m": "[f] s^2/[q]"}  # noqa: RUF012

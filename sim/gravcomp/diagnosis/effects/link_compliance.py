@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_function
 
 
@@ -9,7 +10,7 @@ class LinkCompliance(Effect):
     """f_model(q + C f_model) - f_model(q), C diagonal."""
 
     name = "link_compliance"
-    follows = "f"
+    driver = "f"
     equation = "f_model(q + C f) - f_model(q)"
     hardware = "network"
     units = {"c": "[q]/[f]"}  # noqa: RUF012
@@ -20,8 +21,8 @@ class LinkCompliance(Effect):
 
     def columns(self, data, shape):
         bent = data.sensitivity * data.nominal[:, None, :]
-        return {f"c_{j + 1}": bent[..., j] for j in range(data.n_axes)}
+        return {Parameter("c", j): bent[..., j] for j in range(data.n_axes)}
 
     def predict(self, data, parameters):
-        c = np.array([parameters.get(f"c_{j + 1}", 0.0) for j in range(data.n_axes)])
+        c = np.array([parameters.get(Parameter("c", j), 0.0) for j in range(data.n_axes)])
         return data.force_at(data.q + c * data.nominal) - data.force_at(data.q)

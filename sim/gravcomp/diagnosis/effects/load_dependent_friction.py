@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, by_axis, needs_velocity
+from gravcomp.diagnosis.candidate import by_axis, per_axis
+from gravcomp.diagnosis.effects.base import Effect, needs_velocity
 
 
 class LoadDependentFriction(Effect):
     """mu_i |f_model_i| sign(v_i)."""
 
     name = "load_dependent_friction"
-    follows = "dir"
+    driver = "dir"
     equation = "mu_i abs(f_model_i) sign(v_i)"
     hardware = "compensator"
     units = {"mu": "1"}  # noqa: RUF012
@@ -21,3 +22,6 @@ class LoadDependentFriction(Effect):
 
     def columns(self, data, shape):
         return by_axis(data, "mu", np.abs(data.nominal) * data.direction)
+
+    def constants(self, data, parameters):
+        return {"mu": per_axis(parameters, "mu", data.n_axes)}

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_velocity
 from gravcomp.robot.kinematics import direct_kinematics, passive_jacobian
 
@@ -12,7 +13,7 @@ class PassiveJointFriction(Effect):
     """J_p^T (fc sign(v_p)), v_p = J_p v over the prismatic joints b_i and the rotary joints phi_i."""
 
     name = "passive_joint_friction"
-    follows = "dir"
+    driver = "dir"
     equation = "J_p^T (fc sign(v_p)), v_p = J_p v"
     hardware = "compensator"
     units = {"fc_prismatic": "N", "fc_rotary": "Nm"}  # noqa: RUF012
@@ -31,7 +32,15 @@ class PassiveJointFriction(Effect):
         unsure += _ROUNDING * np.linalg.norm(jacobian, axis=2) * np.linalg.norm(data.v, axis=1)[:, None]
         moving = np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)
         force = jacobian * moving[..., None]
-        return {"fc_prismatic_n": force[:, :3].sum(axis=1), "fc_rotary_nm": force[:, 3:].sum(axis=1)}
+        return {
+            Parameter("fc_prismatic_n"): force[:, :3].sum(axis=1),
+            Parameter("fc_rotary_nm"): force[:, 3:].sum(axis=1),
+        }
+
+    def constants(self, data, parameters):
+        """The Coulomb friction that is nearest to these forces in the mean square."""
+        friction_n = np.mean(self.predict(data, parameters) * data.direction, axis=0)
+        return {"fc_pos_n": friction_n, "fc_neg_n": friction_n}
 
     def contrasts(self, labels):
         return [{label: 1.0} for label in labels]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
 from gravcomp.robot.statics import holding_forces_at
 
@@ -12,7 +13,7 @@ class Payload(Effect):
     """Gravity of an extra first moment m r, in the platform frame; on one rotary axis g m r in two directions."""
 
     name = "payload"
-    follows = "q"
+    driver = "q"
     equation = "gravity of an extra first moment m r on the platform"
     hardware = "network"
     units = {"moment": "kg m", "torque": "[f]"}  # noqa: RUF012
@@ -24,7 +25,9 @@ class Payload(Effect):
 
     def columns(self, data, shape):
         if data.robot is None:
-            return {"torque_cos": np.cos(data.q), "torque_sin": np.sin(data.q)}
+            return {Parameter("torque_cos"): np.cos(data.q), Parameter("torque_sin"): np.sin(data.q)}
         empty = replace(data.robot, carriage_mass_kg=0.0, link1_mass_kg=0.0, link2_mass_kg=0.0, platform_mass_kg=1.0)
         units = zip(("moment_x", "moment_y", "moment_z"), np.eye(3), strict=True)
-        return {label: holding_forces_at(data.q, replace(empty, platform_com_m=unit)) for label, unit in units}
+        return {
+            Parameter(label): holding_forces_at(data.q, replace(empty, platform_com_m=unit)) for label, unit in units
+        }

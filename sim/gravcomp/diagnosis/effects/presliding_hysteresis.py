@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, on_axis
+from gravcomp.diagnosis.candidate import Parameter, on_axis, per_axis
+from gravcomp.diagnosis.effects.base import Effect
 
 
 class PreslidingHysteresis(Effect):
     """fc_i z_i with dz = (sign(dq) - z) |dq|/s_i: z goes to the sign of the motion over the travel s_i."""
 
     name = "presliding_hysteresis"
-    follows = "dir"
+    driver = "dir"
     equation = "fc_i z_i, dz_i = (sign(dq_i) - z_i) abs(dq_i)/s_i"
     hardware = "compensator"
     units = {"fc": "[f]", "s": "[q]"}  # noqa: RUF012
@@ -23,14 +24,19 @@ class PreslidingHysteresis(Effect):
     def shapes(self, data):
         travel = np.ptp(data.q, axis=0)
         fractions = (0.004, 0.01, 0.02, 0.04, 0.08, 0.16)
-        return [{f"s_{i + 1}": f * travel[i] for i in range(data.n_axes)} for f in fractions]
+        return [{Parameter("s", i): f * travel[i] for i in range(data.n_axes)} for f in fractions]
 
     def columns(self, data, shape):
         return {
-            f"fc_{i + 1}": on_axis(data, i, _state(data, i, shape[f"s_{i + 1}"]))
+            Parameter("fc", i): on_axis(data, i, _state(data, i, shape[Parameter("s", i)]))
             for i in range(data.n_axes)
-            if f"s_{i + 1}" in shape
+            if Parameter("s", i) in shape
         }
+
+    def constants(self, data, parameters):
+        """The friction that it ends in."""
+        fc = per_axis(parameters, "fc", data.n_axes)
+        return {"fc_pos_n": fc, "fc_neg_n": fc}
 
 
 def _state(data, axis: int, travel: float) -> np.ndarray:

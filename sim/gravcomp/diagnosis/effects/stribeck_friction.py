@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, axis_of, needs_velocity, on_axis
+from gravcomp.diagnosis.candidate import Parameter, on_axis, per_axis
+from gravcomp.diagnosis.effects.base import Effect, needs_velocity
 
 
 class StribeckFriction(Effect):
     """(fc_i + (fs_i - fc_i) exp(-(v_i/vs_i)^2)) sign(v_i), 0 <= fc_i <= fs_i."""
 
     name = "stribeck_friction"
-    follows = "v"
+    driver = "v"
     equation = "(fc_i + (fs_i - fc_i) exp(-(v_i/vs_i)^2)) sign(v_i)"
     hardware = "compensator"
     units = {"fc": "[f]", "fs": "[f]", "vs": "[q]/s"}  # noqa: RUF012
@@ -24,17 +25,21 @@ class StribeckFriction(Effect):
         if (speed[1] <= 1.05 * speed[0]).all():
             return []
         fractions = (0.05, 0.1, 0.17, 0.27, 0.4, 0.6, 0.9)
-        return [{f"vs_{i + 1}": float(f * max(speed[1, i], 1e-9)) for i in range(data.n_axes)} for f in fractions]
+        return [{Parameter("vs", i): float(f * max(speed[1, i], 1e-9)) for i in range(data.n_axes)} for f in fractions]
 
     def columns(self, data, shape):
         out = {}
         for i in range(data.n_axes):
-            if f"vs_{i + 1}" in shape:
-                fall = np.exp(-((data.v[:, i] / shape[f"vs_{i + 1}"]) ** 2))
-                out[f"fc_{i + 1}"] = on_axis(data, i, (1.0 - fall) * data.direction[:, i])
-                out[f"fs_{i + 1}"] = on_axis(data, i, fall * data.direction[:, i])
+            if Parameter("vs", i) in shape:
+                fall = np.exp(-((data.v[:, i] / shape[Parameter("vs", i)]) ** 2))
+                out[Parameter("fc", i)] = on_axis(data, i, (1.0 - fall) * data.direction[:, i])
+                out[Parameter("fs", i)] = on_axis(data, i, fall * data.direction[:, i])
         return out
 
     def contrasts(self, labels):
-        falls = [{f"fs_{axis_of(label) + 1}": 1.0, label: -1.0} for label in labels if label.startswith("fc_")]
+        falls = [{Parameter("fs", label.axis): 1.0, label: -1.0} for label in labels if label.stem == "fc"]
         return super().contrasts(labels) + falls
+
+    def constants(self, data, parameters):
+        fc, fs, vs = (per_axis(parameters, stem, data.n_axes) for stem in ("fc", "fs", "vs"))
+        return {"fc_pos_n": fc, "fc_neg_n": fc, "stribeck_n": fs - fc, "vs_mps": vs}

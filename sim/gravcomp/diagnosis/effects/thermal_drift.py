@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, axes_in, by_axis
+from gravcomp.diagnosis.candidate import Parameter, axes_in, by_axis
+from gravcomp.diagnosis.effects.base import Effect
 
 
 class ThermalDrift(Effect):
     """gain_i (1 - exp(-t/tau)) f_model_i, or gain_i (T - T0_i) f_model_i."""
 
     name = "thermal_drift"
-    follows = "t"
+    driver = "t"
     equation = "gain (1 - exp(-t/tau)) f_model, or gain (T - T0) f_model"
     hardware = "none"
     units = {"gain": "1 or 1/K", "tau": "s", "t0": "degC"}  # noqa: RUF012
@@ -22,7 +23,7 @@ class ThermalDrift(Effect):
         if _has_temperature(data):
             return [{}]
         span = np.ptp(data.t_s)
-        return [{"tau_s": f * span} for f in (0.03, 0.07, 0.15, 0.3, 0.6, 1.2, 3.0)] if span > 0 else []
+        return [{Parameter("tau_s"): f * span} for f in (0.03, 0.07, 0.15, 0.3, 0.6, 1.2, 3.0)] if span > 0 else []
 
     def columns(self, data, shape):
         if _has_temperature(data):
@@ -35,8 +36,8 @@ class ThermalDrift(Effect):
             return {**coefficients, **shape}
         out = {}
         for i in axes_in(coefficients, "slope"):
-            slope, level = coefficients[f"slope_{i + 1}"], coefficients[f"level_{i + 1}"]
-            out |= {f"gain_{i + 1}": slope, f"t0_{i + 1}": -level / slope if slope else 0.0}
+            slope, level = coefficients[Parameter("slope", i)], coefficients[Parameter("level", i)]
+            out |= {Parameter("gain", i): slope, Parameter("t0", i): -level / slope if slope else 0.0}
         return out
 
     def predict(self, data, parameters):
@@ -44,12 +45,14 @@ class ThermalDrift(Effect):
         if "tau_s" in parameters:
             rise = _rise(data, parameters["tau_s"])
             for i in axes_in(parameters, "gain"):
-                force[:, i] = parameters[f"gain_{i + 1}"] * rise * data.nominal[:, i]
+                force[:, i] = parameters[Parameter("gain", i)] * rise * data.nominal[:, i]
             return force
         if data.temp_c is None:
             raise ValueError("a drift over temperature, and no temp_c")
         for i in axes_in(parameters, "gain"):
-            force[:, i] = parameters[f"gain_{i + 1}"] * (data.temp_c - parameters[f"t0_{i + 1}"]) * data.nominal[:, i]
+            force[:, i] = (
+                parameters[Parameter("gain", i)] * (data.temp_c - parameters[Parameter("t0", i)]) * data.nominal[:, i]
+            )
         return force
 
 

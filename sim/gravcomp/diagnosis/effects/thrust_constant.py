@@ -2,17 +2,19 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, by_axis
+from gravcomp.diagnosis.candidate import by_axis
+from gravcomp.diagnosis.effects.base import Effect
 
 
 class ThrustConstant(Effect):
     """gain_i f_model_i."""
 
     name = "thrust_constant"
-    follows = "f"
+    driver = "f"
     equation = "gain_i f_model_i"
     hardware = "network"
     units = {"gain": "1"}  # noqa: RUF012
+    is_simple = True
 
     def unavailable(self, data):
         return "" if np.any(data.nominal) else "the model is zero"

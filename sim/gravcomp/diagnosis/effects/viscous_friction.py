@@ -2,19 +2,21 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.effects.base import Effect, by_axis, needs_velocity
+from gravcomp.diagnosis.candidate import Parameter, by_axis, per_axis
+from gravcomp.diagnosis.effects.base import Effect, needs_velocity
 
 
 class ViscousFriction(Effect):
     """b_i v_i."""
 
     name = "viscous_friction"
-    follows = "v"
+    driver = "v"
     equation = "b_i v_i, or b_pos_i v_i for v_i > 0 and b_neg_i v_i for v_i < 0"
     hardware = "compensator"
     units = {"b": "[f] s/[q]", "b_pos": "[f] s/[q]", "b_neg": "[f] s/[q]"}  # noqa: RUF012
     positive = ("b",)
     complexity = 1.0
+    is_simple = True
 
     unavailable = staticmethod(needs_velocity)
 
@@ -25,15 +27,20 @@ class ViscousFriction(Effect):
         force = np.zeros(data.shape)
         for i in range(data.n_axes):
             v = data.v[:, i]
-            up, down = parameters.get(f"b_pos_{i + 1}", 0.0), parameters.get(f"b_neg_{i + 1}", 0.0)
-            force[:, i] = (parameters.get(f"b_{i + 1}", 0.0) + np.where(v > 0, up, down)) * v
+            up, down = parameters.get(Parameter("b_pos", i), 0.0), parameters.get(Parameter("b_neg", i), 0.0)
+            force[:, i] = (parameters.get(Parameter("b", i), 0.0) + np.where(v > 0, up, down)) * v
         return force
+
+    def constants(self, data, parameters):
+        both, up, down = (per_axis(parameters, stem, data.n_axes) for stem in ("b", "b_pos", "b_neg"))
+        return {"b_pos_ns_per_m": both + up, "b_neg_ns_per_m": both + down}
 
 
 class DirectionalViscousFriction(ViscousFriction):
     """b_pos_i v_i for v_i > 0, b_neg_i v_i for v_i < 0."""
 
     complexity = 6.0
+    differs_with = "coulomb_friction"
     positive = ("b_pos", "b_neg")
 
     def columns(self, data, shape):

@@ -1,0 +1,171 @@
+"""What competes to explain a residual: one base for effects, which have a name, and corrections, which have none.
+
+A candidate of a given shape (a velocity, a pitch, a time constant) is linear in its coefficients, so the search needs
+only ``columns``; the final fit calls ``predict``.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gravcomp.logs.measurement import Measurement
+
+
+class Variable(str):
+    """A measured variable by the name that the report uses: q1, v1, dir1, f1 (model), a1, t, temp."""
+
+    kind: str
+    axis: int | None
+
+    def __new__(cls, kind: str, axis: int | None = None):
+        self = super().__new__(cls, kind if axis is None else f"{kind}{axis + 1}")
+        self.kind, self.axis = kind, axis
+        return self
+
+    def __getnewargs__(self):
+        return self.kind, self.axis
+
+    @classmethod
+    def parse(cls, name: str) -> "Variable":
+        """Raises ValueError for a name that is none."""
+        kind = name.rstrip("0123456789")
+        axis = int(name[len(kind) :]) - 1 if len(name) > len(kind) else None
+        if kind not in _SOURCE or (axis is None) != (kind in ("t", "temp")) or (axis or 0) < 0:
+            raise ValueError(f"{name!r} is no variable; use one of q1, v1, dir1, f1, a1, t, temp")
+        return cls(kind, axis)
+
+    def of(self, data: Measurement) -> np.ndarray:
+        """Its values, (n,)."""
+        values = getattr(data, _SOURCE[self.kind])
+        return values if self.axis is None else values[:, self.axis]
+
+
+_SOURCE = {"q": "q", "v": "v", "dir": "direction", "f": "nominal", "a": "acceleration", "t": "t_s", "temp": "temp_c"}
+
+
+def variables(data: Measurement) -> list[Variable]:
+    """Every measured variable that varies in this data."""
+    kinds = ["q", "f"] + (["v", "dir"] if data.has_velocity else [])
+    own = [Variable(kind, axis) for pair in (kinds[:2], kinds[2:]) for kind in pair for axis in range(data.n_axes)]
+    own += [Variable("t")] + ([Variable("temp")] if data.temp_c is not None else [])
+    return [variable for variable in own if np.ptp(variable.of(data)) > 0.0]
+
+
+class Parameter(str):
+    """A parameter by the name that report and model use: fc_1, amplitude_2_h3, pitch; axis from 0."""
+
+    stem: str
+    axis: int | None
+    harmonic: int | None
+
+    def __new__(cls, stem: str, axis: int | None = None, harmonic: int | None = None):
+        name = stem if axis is None else f"{stem}_{axis + 1}"
+        self = super().__new__(cls, name if harmonic is None else f"{name}_h{harmonic}")
+        self.stem, self.axis, self.harmonic = stem, axis, harmonic
+        return self
+
+    def __getnewargs__(self):
+        return self.stem, self.axis, self.harmonic
+
+    @classmethod
+    def parse(cls, name: str) -> "Parameter":
+        """The parameter of a name in a file: an axis and a harmonic are its last parts."""
+        parts, harmonic = name.split("_"), None
+        if len(parts) > 2 and parts[-1][:1] == "h" and parts[-1][1:].isdigit():
+            harmonic = int(parts.pop()[1:])
+        if len(parts) > 1 and parts[-1].isdigit() and int(parts[-1]) > 0:
+            return cls("_".join(parts[:-1]), int(parts[-1]) - 1, harmonic)
+        return cls(name)
+
+
+class Candidate:
+    """Base of effects and corrections; forces (n, k) in the unit of the data."""
+
+    name: str
+    price: float  # added to the score of a set
+    special_case = ""  # name of the candidate that this one contains
+    differs_with = ""  # name of the one that differs by direction too where this one does
+    is_simple = False  # two of these together may stand for another
+    is_periodic = False  # sought by a scan of what is left
+
+    def columns(self, data: Measurement, shape: Mapping) -> dict[Parameter, np.ndarray]:
+        """Regressors (n, k) by parameter; the force is their linear combination (to first order)."""
+        raise NotImplementedError
+
+    def parameters(self, shape: Mapping, coefficients: Mapping[Parameter, float]) -> dict[Parameter, float]:
+        """Parameters from the shape and the coefficients of the regressors."""
+        return {**coefficients, **shape}
+
+    def predict(self, data: Measurement, parameters: Mapping[str, float]) -> np.ndarray:
+        """The force (n, k)."""
+        columns = self.columns(data, parameters)
+        return sum((parameters[name] * column for name, column in columns.items() if name in parameters),
+                   np.zeros(data.shape))  # fmt: skip
+
+    def groups(self, labels: tuple[Parameter, ...]) -> list[set[Parameter]]:
+        """Labels that stay or go together when an axis has no part in it; none: all stay."""
+        return []
+
+    def contrasts(self, labels: tuple[Parameter, ...]) -> list[dict[Parameter, float]]:
+        """Sums of coefficients that can only be >= 0."""
+        return []
+
+    def follows(self, data: Measurement, force: np.ndarray) -> list[tuple[int, Variable]]:
+        """Axes and the measured variables that this force (n, k) of the candidate is a function of, the first first."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """One candidate with one shape; labels name its columns."""
+
+    candidate: Candidate
+    labels: tuple[Parameter, ...]
+    shape: Mapping = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return self.candidate.name
+
+
+@dataclass(frozen=True, eq=False)
+class Regressor:
+    """A term and its columns per axis on the rows of the search: (m, p), or None where an axis has no part."""
+
+    term: Term
+    by_axis: tuple[np.ndarray | None, ...]
+
+    @classmethod
+    def of(cls, candidate: Candidate, data: Measurement, rows: np.ndarray, shape: Mapping = {}) -> "Regressor":
+        columns = candidate.columns(data, shape)
+        stacked = np.stack([column[rows] for column in columns.values()], axis=-1)
+        by_axis = tuple(stacked[:, i] if np.any(stacked[:, i]) else None for i in range(data.n_axes))
+        return cls(Term(candidate, tuple(columns), shape), by_axis)
+
+    @property
+    def has_part(self) -> bool:
+        return any(column is not None for column in self.by_axis)
+
+
+def on_axis(data: Measurement, axis: int, column: np.ndarray) -> np.ndarray:
+    """A regressor (n, k) that acts on one axis (from 0) only; column (n,)."""
+    full = np.zeros(data.shape)
+    full[:, axis] = column
+    return full
+
+
+def by_axis(data: Measurement, stem: str, matrix: np.ndarray) -> dict[Parameter, np.ndarray]:
+    """One regressor per axis from the columns of matrix (n, k), labelled stem_1, stem_2, ..."""
+    return {Parameter(stem, i): on_axis(data, i, matrix[:, i]) for i in range(data.n_axes)}
+
+
+def axes_in(parameters: Mapping[str, float], stem: str) -> list[int]:
+    """Axes (from 0) that have a parameter of this stem."""
+    own = [Parameter.parse(name) for name in parameters]
+    return sorted(name.axis for name in own if name.stem == stem and name.axis is not None)
+
+
+def per_axis(parameters: Mapping[str, float], stem: str, n_axes: int) -> np.ndarray:
+    """Parameters stem_1, stem_2, ..., (n_axes,); zero where an axis has none."""
+    return np.array([parameters.get(Parameter(stem, axis), 0.0) for axis in range(n_axes)])

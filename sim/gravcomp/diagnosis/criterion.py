@@ -1,0 +1,104 @@
+"""The information criterion over sets of terms, the smaller the better.
+
+score = sum over axes of m_i log(RSS_i / m_i) + rank log(sum m_i) + price of each term; m_i: samples of axis i that
+count as independent. A price stands for the number of terms that were tried. What physics refuses is impossible.
+"""
+
+import numpy as np
+
+from gravcomp.diagnosis.candidate import Parameter, Term
+from gravcomp.diagnosis.gram import Gram
+from gravcomp.diagnosis.thresholds import CANCELLATION, IMPOSSIBLE, NEGATIVE_Z, TINY
+
+Members = frozenset  # of numbers of terms
+
+
+class Criterion:
+    """Scores sets of terms. Terms are known by number; ``part`` adds those of fewer axes."""
+
+    def __init__(self, terms: list[Term], gram: Gram, n_effects: int):
+        """The first n_effects terms are effects, the others corrections."""
+        self.terms, self.gram, self.place = list(terms), gram, list(gram.place)
+        self.effects, self.corrections = range(n_effects), range(n_effects, len(terms))
+        self._floor = 1e-12 * np.maximum(gram.energy, TINY) / gram.independent
+        self._whole = list(range(len(terms)))
+        self._scores: dict[Members, float] = {}
+
+    def index(self, members) -> np.ndarray:
+        """Columns of a set."""
+        return np.concatenate([self.place[k] for k in sorted(members)]).astype(int) if members else np.zeros(0, int)
+
+    def score(self, members: Members) -> float:
+        if members not in self._scores:
+            self._scores[members] = self._score(members)
+        return self._scores[members]
+
+    def left(self, members: Members) -> float:
+        """Residual sum of squares over the axes."""
+        return float(self.gram.left(self.index(members)).sum())
+
+    def effects_of(self, members: Members) -> Members:
+        return frozenset(k for k in members if self._whole[k] in self.effects)
+
+    def part(self, k: int, labels: tuple[Parameter, ...]) -> int:
+        """The number of a term that is term k with these of its labels only."""
+        term = self.terms[k]
+        for j, other in enumerate(self.terms):
+            if self._whole[j] == self._whole[k] and other.labels == labels:
+                return j
+        self.terms.append(Term(term.candidate, labels, term.shape))
+        self.place.append(np.array([self.place[k][term.labels.index(label)] for label in labels]))
+        self._whole.append(self._whole[k])
+        return len(self.terms) - 1
+
+    def coefficients(self, members: Members) -> dict[int, tuple[int, np.ndarray]]:
+        """By member: the number of the term that it is (a part of), and coefficients of all columns of that one."""
+        index = self.index(members)
+        theta = np.zeros(self.gram.cross.shape[1])
+        theta[index] = self.gram.solve(index)[0] if len(index) else 0.0
+        out = {}
+        for k in members:
+            own = np.zeros_like(theta)
+            own[self.place[k]] = theta[self.place[k]]
+            out[k] = (self._whole[k], own[self.place[self._whole[k]]])
+        return out
+
+    def _score(self, members: Members) -> float:
+        gram, rss, rank = self.gram, self.gram.energy, 0
+        if members:
+            index = self.index(members)
+            theta, covariance, rank = gram.solve(index)
+            if self._is_refused(members, index, theta, covariance):
+                return IMPOSSIBLE
+            fitted = gram.fitted(index, theta)
+            if self._cancels(members, index, theta, fitted.sum()):
+                return IMPOSSIBLE
+            rss = np.maximum(gram.energy - 2.0 * gram.cross[:, index] @ theta + fitted, 0.0)
+        m = gram.independent
+        likelihood = np.sum(m * np.log(np.maximum(rss / m, self._floor)))
+        return float(likelihood + rank * np.log(m.sum()) + sum(self.terms[k].candidate.price for k in members))
+
+    def _cancels(self, members: Members, index, theta, total: float) -> bool:
+        """Terms that are large only to cancel one another imitate something else."""
+        if len(members) < 2:
+            return False
+        value = dict(zip(index, theta, strict=True))
+        single = 0.0
+        for k in members:
+            own = np.array([value[c] for c in self.place[k]])
+            single += self.gram.fitted(self.place[k], own).sum()
+        return single > CANCELLATION * total
+
+    def _is_refused(self, members: Members, index, theta, covariance) -> bool:
+        """A coefficient that physics makes positive is clearly negative."""
+        position = {column: a for a, column in enumerate(index)}
+        for k in members:
+            labels = self.terms[k].labels
+            for contrast in self.terms[k].candidate.contrasts(labels):
+                c = np.zeros(len(index))
+                for label, factor in contrast.items():
+                    if label in labels:
+                        c[position[self.place[k][labels.index(label)]]] = factor
+                if c @ theta < -NEGATIVE_Z * np.sqrt(max(c @ covariance @ c, TINY)):
+                    return True
+        return False

@@ -1,0 +1,136 @@
+"""What the criterion alone does not say: which set to name, when physics is the whole story, what is ambiguous."""
+
+from dataclasses import dataclass
+
+from gravcomp.diagnosis.criterion import Criterion, Members
+from gravcomp.diagnosis.search import EMPTY, beam, climb, exchange, fits
+from gravcomp.diagnosis.thresholds import (
+    BESIDE_CORRECTION,
+    IMPOSSIBLE,
+    MISSED,
+    PHYSICAL_PRICE,
+    SAME_SCORE,
+    TIE,
+    TRIFLE,
+    VAGUE,
+)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A set of terms; is_physics_whole: its effects miss next to nothing of what can be explained at all."""
+
+    members: Members
+    is_physics_whole: bool
+
+
+def choose(criterion: Criterion) -> Choice:
+    """The best set. Physics that misses next to nothing of what can be explained at all stays whole, and
+    corrections may only come on top of it; otherwise effects and corrections compete freely.
+    """
+    every = [*criterion.effects, *criterion.corrections]
+    effects = exchange(criterion, beam(criterion, criterion.effects), criterion.effects)
+    effects = _by_direction(criterion, _substantial(criterion, _simplest(criterion, effects), TRIFLE))
+    free = min((climb(criterion, start, every) for start in {EMPTY, effects}), key=criterion.score)
+    free = exchange(criterion, free, every)
+    missed = criterion.left(effects) - criterion.left(free)
+    explained = criterion.left(EMPTY) - criterion.left(free)
+    if effects and missed < MISSED * explained:
+        whole = climb(criterion, effects, criterion.corrections, locked=effects)
+        return Choice(_pruned(criterion, whole), True)
+    if free - criterion.effects_of(free):
+        free = _substantial(criterion, free, BESIDE_CORRECTION)
+        free = _unambiguous(criterion, climb(criterion, free, criterion.corrections, locked=free))
+        free = climb(criterion, free, criterion.corrections, locked=free)
+    return Choice(_pruned(criterion, free), False)
+
+
+def alternatives(criterion: Criterion, choice: Choice) -> list[list[str]]:
+    """Sets of effect names that the data cannot tell apart, each with the named effect first."""
+    members = criterion.effects_of(choice.members) if choice.is_physics_whole else choice.members
+    return _rivals(criterion, members)
+
+
+def _rivals(criterion: Criterion, members: Members) -> list[list[str]]:
+    own, terms = criterion.score(members), criterion.terms
+    found: dict[str, list[str]] = {}
+    for j in sorted(criterion.effects_of(members)):
+        rest, name = members - {j}, terms[j].name
+        rivals = [k for k in criterion.effects if terms[k].name != name and fits(criterion, rest, k)]
+        close = [(criterion.score(rest | {k}), (k,)) for k in rivals]
+        simple = [k for k in rivals if terms[k].candidate.is_simple]
+        close += [
+            (criterion.score(rest | {k, h}), (k, h))
+            for a, k in enumerate(simple)
+            for h in simple[a + 1 :]
+            if terms[k].name != terms[h].name
+        ]
+        near = [pair for score, pair in sorted(close) if score < own + TIE + PHYSICAL_PRICE * (len(pair) - 1)]
+        others = list(dict.fromkeys(terms[k].name for pair in near for k in pair))
+        if others:
+            found.setdefault(name, [name]).extend(other for other in others if other not in found[name])
+    return list(found.values())
+
+
+def _simplest(criterion: Criterion, members: Members) -> Members:
+    """Use the special case of an effect (Coulomb for Stribeck) where the general one gains next to nothing."""
+    for k in sorted(members):
+        special, rest = criterion.terms[k].candidate.special_case, members - {k}
+        options = [j for j in criterion.effects if criterion.terms[j].name == special and fits(criterion, rest, j)]
+        if not options:
+            continue
+        best = rest | {min(options, key=lambda j: criterion.score(rest | {j}))}
+        gain = criterion.left(best) - criterion.left(members)
+        is_trifle = gain < TRIFLE * (criterion.left(EMPTY) - criterion.left(members))
+        if is_trifle and criterion.score(best) < IMPOSSIBLE:
+            members = best
+    return members
+
+
+def _by_direction(criterion: Criterion, members: Members) -> Members:
+    """Where one friction differs by direction, the one that goes with it may too."""
+    terms = criterion.terms
+    is_directional = {k: terms[k].candidate.is_directional(terms[k].labels) for k in criterion.effects}
+    for k in [k for k in members if is_directional[k]]:
+        partner = next((j for j in members if terms[j].name == terms[k].candidate.differs_with), None)
+        if partner is not None:
+            rest = members - {partner}
+            both = [j for j in criterion.effects if terms[j].name == terms[partner].name and is_directional[j]]
+            members = min((rest | {j} for j in both), key=criterion.score, default=members)
+    return members
+
+
+def _substantial(criterion: Criterion, members: Members, least: float) -> Members:
+    """Drop effects, the weakest first, that alone account for less than a part of what the set explains."""
+    while effects := criterion.effects_of(members):
+        if len(members) == 1:
+            break
+        explained = criterion.left(EMPTY) - criterion.left(members)
+        lost = {k: criterion.left(members - {k}) - criterion.left(members) for k in effects}
+        weakest = min(lost, key=lost.get)
+        if lost[weakest] >= least * explained:
+            break
+        members = members - {weakest}
+    return members
+
+
+def _unambiguous(criterion: Criterion, members: Members) -> Members:
+    """Beside corrections, a name that many others could take as well says nothing: drop it."""
+    vague = {names[0] for names in _rivals(criterion, members) if len(names) > VAGUE}
+    effects = criterion.effects_of(members)
+    return frozenset(k for k in members if not (k in effects and criterion.terms[k].name in vague))
+
+
+def _pruned(criterion: Criterion, members: Members) -> Members:
+    """Drop the axes (harmonics) of an effect that the data does not support; the effect keeps one at least."""
+    for k in sorted(members):
+        current = k
+        for group in criterion.terms[k].candidate.groups(criterion.terms[k].labels):
+            labels = criterion.terms[current].labels
+            kept = tuple(label for label in labels if label not in group)
+            if not kept or len(kept) == len(labels):
+                continue
+            smaller = (members - {current}) | {criterion.part(current, kept)}
+            if criterion.score(smaller) <= criterion.score(members) + SAME_SCORE:
+                members, current = smaller, criterion.part(current, kept)
+    return members

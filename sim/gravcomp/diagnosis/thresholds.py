@@ -1,0 +1,41 @@
+"""Every threshold of the diagnosis, each with where it comes from.
+
+"tuned": chosen on sets of the blind generators with seeds below 200, never on the seeds that are tallied.
+"""
+
+# Robust statistics
+HUBER = 2.5  # textbook value: 95 % efficient on Gaussian noise lies at 1.345, beyond 2.5 a Gaussian has 1 %
+MAD_TO_SIGMA = 1.4826  # median absolute deviation of a Gaussian, 1/0.6745
+
+# Price of a term in the criterion, as 2 log of the number of terms that compete
+PHYSICAL_PRICE = 8.0  # some 50 terms of effects
+EMPIRICAL_PRICE = 20.0  # some hundred corrections per axis, and physics first where both fit; tuned
+SCAN_PRICE = 14.0  # 2 log of the thousand frequencies scanned
+
+# Sets of terms
+TIE = 9.0  # scores this close cannot be told apart: odds of exp(9/2), about 90
+NEGATIVE_Z = 3.0  # a coefficient that physics makes positive is refused beyond three standard errors below zero
+MAX_TERMS = 14  # as many as 3 axes have ever needed; bounds the time
+CANCELLATION = 3.0  # single terms may have this many times the energy of their sum; tuned
+TRIFLE = 0.005  # of the energy explained: an effect below imitates an error of the others; tuned
+BESIDE_CORRECTION = 0.1  # of the energy explained: what a name must account for beside corrections; tuned
+MISSED = 0.005  # of the energy that can be explained: effects that miss less are the whole story; tuned
+VAGUE = 4  # names: beside corrections one with more rivals says nothing; tuned
+SAME_SCORE = 1e-6  # what lies within the span of the other terms adds nothing
+PROMISING = 20  # candidates of a move that are scored exactly; more changed no outcome on tuned seeds
+BEAM_WIDTH, BEAM_DEPTH = 4, 4
+
+# Numbers
+SINGULAR = 1e-9  # of the largest eigenvalue: squared rounding of regressors
+TINY = 1e-300
+IMPOSSIBLE = 1e12  # score of a set that physics refuses
+
+# The search
+ROUNDS = 3  # outliers, noise and correlation settle after two; tuned
+SEARCH_SAMPLES = 5000  # more changes no decision, and costs time
+MINOR_SHARE = 0.03  # of what was explained: a correction this small does not spoil an explanation; tuned
+
+# What is left
+LEFT_SAMPLES, LEFT_SAMPLES_USED = 400, 2500  # fewer give random trees nothing to hold; more cost seconds
+LEFT_R2 = 0.05  # of the variance, predicted in cross-validation; tuned on noise
+LEFT_SHARE = 0.003  # of the variance before: less is not worth a line
