@@ -13,7 +13,7 @@ from gravcomp.system.registers import IPXACT, read_registers
 from runner import RTL
 
 GENERATED = [
-    *(RTL / "registers" / name for name in ("reg_utils.vhd", "gc_registers_pkg.vhd", "gc_registers.vhd")),
+    *(RTL / "registers" / name for name in ("gc_registers_pkg.vhd", "gc_registers.vhd")),
     IPXACT,
     IPXACT.parent / SCRIPT,
     ROOT / "host" / "gravcomp_registers.h",

@@ -107,7 +107,10 @@ begin
       end if;
 
       -- stage 2: measured at an edge, stretched while the next one is overdue
-      valid_2 <= '1' when edges_1 = edges_c else '0';
+      valid_2 <= '0';
+      if edges_1 = edges_c then
+        valid_2 <= '1';
+      end if;
       up_2 <= up_1;
       zero_2 <= zero_1;
       if step_1 = '1' or elapsed_1 > period_2 then

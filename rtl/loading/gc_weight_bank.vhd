@@ -159,7 +159,10 @@ begin
 
     if rising_edge(clk) then
       if advance = '1' then
-        word <= rom_word when memory.bank = "00" else bank_word;
+        word <= bank_word;
+        if memory.bank = "00" then
+          word <= rom_word;
+        end if;
       end if;
       first <= rst;
     end if;

@@ -3,7 +3,6 @@
 library ieee;
 use ieee.std_logic_1164.all;
 use ieee.numeric_std.all;
-use ieee.fixed_pkg.all;
 
 package gc_registers_pkg is
 
@@ -11,615 +10,615 @@ package gc_registers_pkg is
     constant GC_REGISTERS_MIN_ADDR_WIDTH : positive := 12;
     constant GC_REGISTERS_SIZE : positive := 460;
 
-    type \gc_registers.geometry.inputs_in_t\ is record
+    type gc_registers_geometry_inputs_in_t is record
         next_q : std_logic_vector(7 downto 0);
     end record;
 
-    type \gc_registers.geometry.hidden_in_t\ is record
+    type gc_registers_geometry_hidden_in_t is record
         next_q : std_logic_vector(7 downto 0);
     end record;
 
-    type \gc_registers.geometry.outputs_in_t\ is record
+    type gc_registers_geometry_outputs_in_t is record
         next_q : std_logic_vector(7 downto 0);
     end record;
 
-    type \gc_registers.geometry.lanes_in_t\ is record
+    type gc_registers_geometry_lanes_in_t is record
         next_q : std_logic_vector(7 downto 0);
     end record;
 
-    type \gc_registers.geometry_in_t\ is record
-        inputs : \gc_registers.geometry.inputs_in_t\;
-        hidden : \gc_registers.geometry.hidden_in_t\;
-        outputs : \gc_registers.geometry.outputs_in_t\;
-        lanes : \gc_registers.geometry.lanes_in_t\;
+    type gc_registers_geometry_in_t is record
+        inputs : gc_registers_geometry_inputs_in_t;
+        hidden : gc_registers_geometry_hidden_in_t;
+        outputs : gc_registers_geometry_outputs_in_t;
+        lanes : gc_registers_geometry_lanes_in_t;
     end record;
 
-    type \gc_registers.clock_hz.value_in_t\ is record
+    type gc_registers_clock_hz_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.clock_hz_in_t\ is record
-        value : \gc_registers.clock_hz.value_in_t\;
+    type gc_registers_clock_hz_in_t is record
+        value : gc_registers_clock_hz_value_in_t;
     end record;
 
-    type \gc_registers.weights_hashx.value_in_t\ is record
+    type gc_registers_weights_hashx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.weights_hashx_in_t\ is record
-        value : \gc_registers.weights_hashx.value_in_t\;
+    type gc_registers_weights_hashx_in_t is record
+        value : gc_registers_weights_hashx_value_in_t;
     end record;
-    type \gc_registers.weights_hashx_in_t_array\ is array(natural range <>) of \gc_registers.weights_hashx_in_t\;
+    type gc_registers_weights_hashx_in_t_array is array(natural range <>) of gc_registers_weights_hashx_in_t;
 
-    type \gc_registers.compensation_hashx.value_in_t\ is record
+    type gc_registers_compensation_hashx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.compensation_hashx_in_t\ is record
-        value : \gc_registers.compensation_hashx.value_in_t\;
+    type gc_registers_compensation_hashx_in_t is record
+        value : gc_registers_compensation_hashx_value_in_t;
     end record;
-    type \gc_registers.compensation_hashx_in_t_array\ is array(natural range <>) of \gc_registers.compensation_hashx_in_t\;
+    type gc_registers_compensation_hashx_in_t_array is array(natural range <>) of gc_registers_compensation_hashx_in_t;
 
-    type \gc_registers.trained_lowx.value_in_t\ is record
+    type gc_registers_trained_lowx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.trained_lowx_in_t\ is record
-        value : \gc_registers.trained_lowx.value_in_t\;
+    type gc_registers_trained_lowx_in_t is record
+        value : gc_registers_trained_lowx_value_in_t;
     end record;
-    type \gc_registers.trained_lowx_in_t_array\ is array(natural range <>) of \gc_registers.trained_lowx_in_t\;
+    type gc_registers_trained_lowx_in_t_array is array(natural range <>) of gc_registers_trained_lowx_in_t;
 
-    type \gc_registers.trained_highx.value_in_t\ is record
+    type gc_registers_trained_highx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.trained_highx_in_t\ is record
-        value : \gc_registers.trained_highx.value_in_t\;
+    type gc_registers_trained_highx_in_t is record
+        value : gc_registers_trained_highx_value_in_t;
     end record;
-    type \gc_registers.trained_highx_in_t_array\ is array(natural range <>) of \gc_registers.trained_highx_in_t\;
+    type gc_registers_trained_highx_in_t_array is array(natural range <>) of gc_registers_trained_highx_in_t;
 
-    type \gc_registers.result_number.value_in_t\ is record
+    type gc_registers_result_number_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.result_number_in_t\ is record
-        value : \gc_registers.result_number.value_in_t\;
+    type gc_registers_result_number_in_t is record
+        value : gc_registers_result_number_value_in_t;
     end record;
 
-    type \gc_registers.missed_ticks.value_in_t\ is record
+    type gc_registers_missed_ticks_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.missed_ticks_in_t\ is record
-        value : \gc_registers.missed_ticks.value_in_t\;
+    type gc_registers_missed_ticks_in_t is record
+        value : gc_registers_missed_ticks_value_in_t;
     end record;
 
-    type \gc_registers.status.state_in_t\ is record
+    type gc_registers_status_state_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.status.released_in_t\ is record
+    type gc_registers_status_released_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.status.run_in_t\ is record
+    type gc_registers_status_run_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.status.busy_in_t\ is record
+    type gc_registers_status_busy_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.status_in_t\ is record
-        state : \gc_registers.status.state_in_t\;
-        released : \gc_registers.status.released_in_t\;
-        run : \gc_registers.status.run_in_t\;
-        busy : \gc_registers.status.busy_in_t\;
+    type gc_registers_status_in_t is record
+        state : gc_registers_status_state_in_t;
+        released : gc_registers_status_released_in_t;
+        run : gc_registers_status_run_in_t;
+        busy : gc_registers_status_busy_in_t;
     end record;
 
-    type \gc_registers.axis_flags.clamped_in_t\ is record
+    type gc_registers_axis_flags_clamped_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.axis_flags.saturated_in_t\ is record
+    type gc_registers_axis_flags_saturated_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.axis_flags.limited_in_t\ is record
+    type gc_registers_axis_flags_limited_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.axis_flags.settled_in_t\ is record
+    type gc_registers_axis_flags_settled_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.axis_flags.referenced_in_t\ is record
+    type gc_registers_axis_flags_referenced_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.axis_flags.illegal_in_t\ is record
+    type gc_registers_axis_flags_illegal_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.axis_flags.glitch_in_t\ is record
+    type gc_registers_axis_flags_glitch_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.axis_flags.speed_valid_in_t\ is record
+    type gc_registers_axis_flags_speed_valid_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.axis_flags.speed_zero_in_t\ is record
+    type gc_registers_axis_flags_speed_zero_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.axis_flags_in_t\ is record
-        clamped : \gc_registers.axis_flags.clamped_in_t\;
-        saturated : \gc_registers.axis_flags.saturated_in_t\;
-        limited : \gc_registers.axis_flags.limited_in_t\;
-        settled : \gc_registers.axis_flags.settled_in_t\;
-        referenced : \gc_registers.axis_flags.referenced_in_t\;
-        illegal : \gc_registers.axis_flags.illegal_in_t\;
-        glitch : \gc_registers.axis_flags.glitch_in_t\;
-        speed_valid : \gc_registers.axis_flags.speed_valid_in_t\;
-        speed_zero : \gc_registers.axis_flags.speed_zero_in_t\;
+    type gc_registers_axis_flags_in_t is record
+        clamped : gc_registers_axis_flags_clamped_in_t;
+        saturated : gc_registers_axis_flags_saturated_in_t;
+        limited : gc_registers_axis_flags_limited_in_t;
+        settled : gc_registers_axis_flags_settled_in_t;
+        referenced : gc_registers_axis_flags_referenced_in_t;
+        illegal : gc_registers_axis_flags_illegal_in_t;
+        glitch : gc_registers_axis_flags_glitch_in_t;
+        speed_valid : gc_registers_axis_flags_speed_valid_in_t;
+        speed_zero : gc_registers_axis_flags_speed_zero_in_t;
     end record;
 
-    type \gc_registers.positionx.value_in_t\ is record
+    type gc_registers_positionx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.positionx_in_t\ is record
-        value : \gc_registers.positionx.value_in_t\;
+    type gc_registers_positionx_in_t is record
+        value : gc_registers_positionx_value_in_t;
     end record;
-    type \gc_registers.positionx_in_t_array\ is array(natural range <>) of \gc_registers.positionx_in_t\;
+    type gc_registers_positionx_in_t_array is array(natural range <>) of gc_registers_positionx_in_t;
 
-    type \gc_registers.speed_periodx.value_in_t\ is record
+    type gc_registers_speed_periodx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.speed_periodx_in_t\ is record
-        value : \gc_registers.speed_periodx.value_in_t\;
+    type gc_registers_speed_periodx_in_t is record
+        value : gc_registers_speed_periodx_value_in_t;
     end record;
-    type \gc_registers.speed_periodx_in_t_array\ is array(natural range <>) of \gc_registers.speed_periodx_in_t\;
+    type gc_registers_speed_periodx_in_t_array is array(natural range <>) of gc_registers_speed_periodx_in_t;
 
-    type \gc_registers.force_mnx.value_in_t\ is record
+    type gc_registers_force_mnx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.force_mnx_in_t\ is record
-        value : \gc_registers.force_mnx.value_in_t\;
+    type gc_registers_force_mnx_in_t is record
+        value : gc_registers_force_mnx_value_in_t;
     end record;
-    type \gc_registers.force_mnx_in_t_array\ is array(natural range <>) of \gc_registers.force_mnx_in_t\;
+    type gc_registers_force_mnx_in_t_array is array(natural range <>) of gc_registers_force_mnx_in_t;
 
-    type \gc_registers.current_uax.value_in_t\ is record
+    type gc_registers_current_uax_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.current_uax_in_t\ is record
-        value : \gc_registers.current_uax.value_in_t\;
+    type gc_registers_current_uax_in_t is record
+        value : gc_registers_current_uax_value_in_t;
     end record;
-    type \gc_registers.current_uax_in_t_array\ is array(natural range <>) of \gc_registers.current_uax_in_t\;
+    type gc_registers_current_uax_in_t_array is array(natural range <>) of gc_registers_current_uax_in_t;
 
-    type \gc_registers.command_uax.value_in_t\ is record
+    type gc_registers_command_uax_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.command_uax_in_t\ is record
-        value : \gc_registers.command_uax.value_in_t\;
+    type gc_registers_command_uax_in_t is record
+        value : gc_registers_command_uax_value_in_t;
     end record;
-    type \gc_registers.command_uax_in_t_array\ is array(natural range <>) of \gc_registers.command_uax_in_t\;
+    type gc_registers_command_uax_in_t_array is array(natural range <>) of gc_registers_command_uax_in_t;
 
-    type \gc_registers.position_nowx.value_in_t\ is record
+    type gc_registers_position_nowx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.position_nowx_in_t\ is record
-        value : \gc_registers.position_nowx.value_in_t\;
+    type gc_registers_position_nowx_in_t is record
+        value : gc_registers_position_nowx_value_in_t;
     end record;
-    type \gc_registers.position_nowx_in_t_array\ is array(natural range <>) of \gc_registers.position_nowx_in_t\;
+    type gc_registers_position_nowx_in_t_array is array(natural range <>) of gc_registers_position_nowx_in_t;
 
-    type \gc_registers.cause.value_in_t\ is record
+    type gc_registers_cause_value_in_t is record
         next_q : std_logic_vector(9 downto 0);
     end record;
 
-    type \gc_registers.cause_in_t\ is record
-        value : \gc_registers.cause.value_in_t\;
+    type gc_registers_cause_in_t is record
+        value : gc_registers_cause_value_in_t;
     end record;
 
-    type \gc_registers.fault.clear_in_t\ is record
+    type gc_registers_fault_clear_in_t is record
         hwclr : std_logic;
     end record;
 
-    type \gc_registers.fault.estop_in_t\ is record
+    type gc_registers_fault_estop_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault.encoder_in_t\ is record
+    type gc_registers_fault_encoder_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault.crc_in_t\ is record
+    type gc_registers_fault_crc_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault.rom_in_t\ is record
+    type gc_registers_fault_rom_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault.speed_in_t\ is record
+    type gc_registers_fault_speed_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault.position_in_t\ is record
+    type gc_registers_fault_position_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault.saturation_in_t\ is record
+    type gc_registers_fault_saturation_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault.watchdog_in_t\ is record
+    type gc_registers_fault_watchdog_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault.result_in_t\ is record
+    type gc_registers_fault_result_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault.unreferenced_in_t\ is record
+    type gc_registers_fault_unreferenced_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.fault_in_t\ is record
-        clear : \gc_registers.fault.clear_in_t\;
-        estop : \gc_registers.fault.estop_in_t\;
-        encoder : \gc_registers.fault.encoder_in_t\;
-        crc : \gc_registers.fault.crc_in_t\;
-        rom : \gc_registers.fault.rom_in_t\;
-        speed : \gc_registers.fault.speed_in_t\;
-        position : \gc_registers.fault.position_in_t\;
-        saturation : \gc_registers.fault.saturation_in_t\;
-        watchdog : \gc_registers.fault.watchdog_in_t\;
-        result : \gc_registers.fault.result_in_t\;
-        unreferenced : \gc_registers.fault.unreferenced_in_t\;
+    type gc_registers_fault_in_t is record
+        clear : gc_registers_fault_clear_in_t;
+        estop : gc_registers_fault_estop_in_t;
+        encoder : gc_registers_fault_encoder_in_t;
+        crc : gc_registers_fault_crc_in_t;
+        rom : gc_registers_fault_rom_in_t;
+        speed : gc_registers_fault_speed_in_t;
+        position : gc_registers_fault_position_in_t;
+        saturation : gc_registers_fault_saturation_in_t;
+        watchdog : gc_registers_fault_watchdog_in_t;
+        result : gc_registers_fault_result_in_t;
+        unreferenced : gc_registers_fault_unreferenced_in_t;
     end record;
 
-    type \gc_registers.first_cause.value_in_t\ is record
+    type gc_registers_first_cause_value_in_t is record
         next_q : std_logic_vector(9 downto 0);
     end record;
 
-    type \gc_registers.first_cause_in_t\ is record
-        value : \gc_registers.first_cause.value_in_t\;
+    type gc_registers_first_cause_in_t is record
+        value : gc_registers_first_cause_value_in_t;
     end record;
 
-    type \gc_registers.first_positionx.value_in_t\ is record
+    type gc_registers_first_positionx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.first_positionx_in_t\ is record
-        value : \gc_registers.first_positionx.value_in_t\;
+    type gc_registers_first_positionx_in_t is record
+        value : gc_registers_first_positionx_value_in_t;
     end record;
-    type \gc_registers.first_positionx_in_t_array\ is array(natural range <>) of \gc_registers.first_positionx_in_t\;
+    type gc_registers_first_positionx_in_t_array is array(natural range <>) of gc_registers_first_positionx_in_t;
 
-    type \gc_registers.control_now.enable_in_t\ is record
+    type gc_registers_control_now_enable_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.control_now.tick_enable_in_t\ is record
+    type gc_registers_control_now_tick_enable_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.control_now.home_enable_in_t\ is record
+    type gc_registers_control_now_home_enable_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.control_now_in_t\ is record
-        enable : \gc_registers.control_now.enable_in_t\;
-        tick_enable : \gc_registers.control_now.tick_enable_in_t\;
-        home_enable : \gc_registers.control_now.home_enable_in_t\;
+    type gc_registers_control_now_in_t is record
+        enable : gc_registers_control_now_enable_in_t;
+        tick_enable : gc_registers_control_now_tick_enable_in_t;
+        home_enable : gc_registers_control_now_home_enable_in_t;
     end record;
 
-    type \gc_registers.interrupt_status.result_in_t\ is record
+    type gc_registers_interrupt_status_result_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.interrupt_status.fault_in_t\ is record
+    type gc_registers_interrupt_status_fault_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.interrupt_status.missed_tick_in_t\ is record
+    type gc_registers_interrupt_status_missed_tick_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.interrupt_status_in_t\ is record
-        result : \gc_registers.interrupt_status.result_in_t\;
-        fault : \gc_registers.interrupt_status.fault_in_t\;
-        missed_tick : \gc_registers.interrupt_status.missed_tick_in_t\;
+    type gc_registers_interrupt_status_in_t is record
+        result : gc_registers_interrupt_status_result_in_t;
+        fault : gc_registers_interrupt_status_fault_in_t;
+        missed_tick : gc_registers_interrupt_status_missed_tick_in_t;
     end record;
 
-    type \gc_registers.load_unlock.key_in_t\ is record
+    type gc_registers_load_unlock_key_in_t is record
         hwclr : std_logic;
     end record;
 
-    type \gc_registers.load_unlock_in_t\ is record
-        key : \gc_registers.load_unlock.key_in_t\;
+    type gc_registers_load_unlock_in_t is record
+        key : gc_registers_load_unlock_key_in_t;
     end record;
 
-    type \gc_registers.load_status.loadable_in_t\ is record
+    type gc_registers_load_status_loadable_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.load_status.unlocked_in_t\ is record
+    type gc_registers_load_status_unlocked_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.load_status.bad_in_t\ is record
+    type gc_registers_load_status_bad_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.load_status.waiting_in_t\ is record
+    type gc_registers_load_status_waiting_in_t is record
         next_q : std_logic;
     end record;
 
-    type \gc_registers.load_status.bank_in_t\ is record
+    type gc_registers_load_status_bank_in_t is record
         next_q : std_logic_vector(1 downto 0);
     end record;
 
-    type \gc_registers.load_status_in_t\ is record
-        loadable : \gc_registers.load_status.loadable_in_t\;
-        unlocked : \gc_registers.load_status.unlocked_in_t\;
-        bad : \gc_registers.load_status.bad_in_t\;
-        waiting : \gc_registers.load_status.waiting_in_t\;
-        bank : \gc_registers.load_status.bank_in_t\;
+    type gc_registers_load_status_in_t is record
+        loadable : gc_registers_load_status_loadable_in_t;
+        unlocked : gc_registers_load_status_unlocked_in_t;
+        bad : gc_registers_load_status_bad_in_t;
+        waiting : gc_registers_load_status_waiting_in_t;
+        bank : gc_registers_load_status_bank_in_t;
     end record;
 
-    type \gc_registers.bank_crc.value_in_t\ is record
+    type gc_registers_bank_crc_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.bank_crc_in_t\ is record
-        value : \gc_registers.bank_crc.value_in_t\;
+    type gc_registers_bank_crc_in_t is record
+        value : gc_registers_bank_crc_value_in_t;
     end record;
 
     type gc_registers_in_t is record
-        geometry : \gc_registers.geometry_in_t\;
-        clock_hz : \gc_registers.clock_hz_in_t\;
-        weights_hash : \gc_registers.weights_hashx_in_t_array\(0 to 7);
-        compensation_hash : \gc_registers.compensation_hashx_in_t_array\(0 to 7);
-        trained_low : \gc_registers.trained_lowx_in_t_array\(0 to 2);
-        trained_high : \gc_registers.trained_highx_in_t_array\(0 to 2);
-        result_number : \gc_registers.result_number_in_t\;
-        missed_ticks : \gc_registers.missed_ticks_in_t\;
-        status : \gc_registers.status_in_t\;
-        axis_flags : \gc_registers.axis_flags_in_t\;
-        position : \gc_registers.positionx_in_t_array\(0 to 2);
-        speed_period : \gc_registers.speed_periodx_in_t_array\(0 to 2);
-        force_mn : \gc_registers.force_mnx_in_t_array\(0 to 2);
-        current_ua : \gc_registers.current_uax_in_t_array\(0 to 2);
-        command_ua : \gc_registers.command_uax_in_t_array\(0 to 2);
-        position_now : \gc_registers.position_nowx_in_t_array\(0 to 2);
-        cause : \gc_registers.cause_in_t\;
-        fault : \gc_registers.fault_in_t\;
-        first_cause : \gc_registers.first_cause_in_t\;
-        first_position : \gc_registers.first_positionx_in_t_array\(0 to 2);
-        control_now : \gc_registers.control_now_in_t\;
-        interrupt_status : \gc_registers.interrupt_status_in_t\;
-        load_unlock : \gc_registers.load_unlock_in_t\;
-        load_status : \gc_registers.load_status_in_t\;
-        bank_crc : \gc_registers.bank_crc_in_t\;
+        geometry : gc_registers_geometry_in_t;
+        clock_hz : gc_registers_clock_hz_in_t;
+        weights_hash : gc_registers_weights_hashx_in_t_array(0 to 7);
+        compensation_hash : gc_registers_compensation_hashx_in_t_array(0 to 7);
+        trained_low : gc_registers_trained_lowx_in_t_array(0 to 2);
+        trained_high : gc_registers_trained_highx_in_t_array(0 to 2);
+        result_number : gc_registers_result_number_in_t;
+        missed_ticks : gc_registers_missed_ticks_in_t;
+        status : gc_registers_status_in_t;
+        axis_flags : gc_registers_axis_flags_in_t;
+        position : gc_registers_positionx_in_t_array(0 to 2);
+        speed_period : gc_registers_speed_periodx_in_t_array(0 to 2);
+        force_mn : gc_registers_force_mnx_in_t_array(0 to 2);
+        current_ua : gc_registers_current_uax_in_t_array(0 to 2);
+        command_ua : gc_registers_command_uax_in_t_array(0 to 2);
+        position_now : gc_registers_position_nowx_in_t_array(0 to 2);
+        cause : gc_registers_cause_in_t;
+        fault : gc_registers_fault_in_t;
+        first_cause : gc_registers_first_cause_in_t;
+        first_position : gc_registers_first_positionx_in_t_array(0 to 2);
+        control_now : gc_registers_control_now_in_t;
+        interrupt_status : gc_registers_interrupt_status_in_t;
+        load_unlock : gc_registers_load_unlock_in_t;
+        load_status : gc_registers_load_status_in_t;
+        bank_crc : gc_registers_bank_crc_in_t;
     end record;
 
-    type \gc_registers.control.enable_out_t\ is record
+    type gc_registers_control_enable_out_t is record
         value : std_logic;
     end record;
 
-    type \gc_registers.control.tick_enable_out_t\ is record
+    type gc_registers_control_tick_enable_out_t is record
         value : std_logic;
     end record;
 
-    type \gc_registers.control.home_enable_out_t\ is record
+    type gc_registers_control_home_enable_out_t is record
         value : std_logic_vector(2 downto 0);
     end record;
 
-    type \gc_registers.control_out_t\ is record
-        enable : \gc_registers.control.enable_out_t\;
-        tick_enable : \gc_registers.control.tick_enable_out_t\;
-        home_enable : \gc_registers.control.home_enable_out_t\;
+    type gc_registers_control_out_t is record
+        enable : gc_registers_control_enable_out_t;
+        tick_enable : gc_registers_control_tick_enable_out_t;
+        home_enable : gc_registers_control_home_enable_out_t;
     end record;
 
-    type \gc_registers.command.start_out_t\ is record
+    type gc_registers_command_start_out_t is record
         value : std_logic;
     end record;
 
-    type \gc_registers.command.kick_out_t\ is record
+    type gc_registers_command_kick_out_t is record
         value : std_logic;
     end record;
 
-    type \gc_registers.command.clear_encoder_out_t\ is record
+    type gc_registers_command_clear_encoder_out_t is record
         value : std_logic;
     end record;
 
-    type \gc_registers.command_out_t\ is record
-        start : \gc_registers.command.start_out_t\;
-        kick : \gc_registers.command.kick_out_t\;
-        clear_encoder : \gc_registers.command.clear_encoder_out_t\;
+    type gc_registers_command_out_t is record
+        start : gc_registers_command_start_out_t;
+        kick : gc_registers_command_kick_out_t;
+        clear_encoder : gc_registers_command_clear_encoder_out_t;
     end record;
 
-    type \gc_registers.tick_clocks.value_out_t\ is record
+    type gc_registers_tick_clocks_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.tick_clocks_out_t\ is record
-        value : \gc_registers.tick_clocks.value_out_t\;
+    type gc_registers_tick_clocks_out_t is record
+        value : gc_registers_tick_clocks_value_out_t;
     end record;
 
-    type \gc_registers.expected_weights.value_out_t\ is record
+    type gc_registers_expected_weights_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.expected_weights_out_t\ is record
-        value : \gc_registers.expected_weights.value_out_t\;
+    type gc_registers_expected_weights_out_t is record
+        value : gc_registers_expected_weights_value_out_t;
     end record;
 
-    type \gc_registers.index_positionx.value_out_t\ is record
+    type gc_registers_index_positionx_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.index_positionx_out_t\ is record
-        value : \gc_registers.index_positionx.value_out_t\;
+    type gc_registers_index_positionx_out_t is record
+        value : gc_registers_index_positionx_value_out_t;
     end record;
-    type \gc_registers.index_positionx_out_t_array\ is array(natural range <>) of \gc_registers.index_positionx_out_t\;
+    type gc_registers_index_positionx_out_t_array is array(natural range <>) of gc_registers_index_positionx_out_t;
 
-    type \gc_registers.current_limit_ua.value_out_t\ is record
+    type gc_registers_current_limit_ua_value_out_t is record
         value : std_logic_vector(30 downto 0);
     end record;
 
-    type \gc_registers.current_limit_ua_out_t\ is record
-        value : \gc_registers.current_limit_ua.value_out_t\;
+    type gc_registers_current_limit_ua_out_t is record
+        value : gc_registers_current_limit_ua_value_out_t;
     end record;
 
-    type \gc_registers.current_slew_ua.value_out_t\ is record
+    type gc_registers_current_slew_ua_value_out_t is record
         value : std_logic_vector(30 downto 0);
     end record;
 
-    type \gc_registers.current_slew_ua_out_t\ is record
-        value : \gc_registers.current_slew_ua.value_out_t\;
+    type gc_registers_current_slew_ua_out_t is record
+        value : gc_registers_current_slew_ua_value_out_t;
     end record;
 
-    type \gc_registers.period_min_clocks.value_out_t\ is record
+    type gc_registers_period_min_clocks_value_out_t is record
         value : std_logic_vector(30 downto 0);
     end record;
 
-    type \gc_registers.period_min_clocks_out_t\ is record
-        value : \gc_registers.period_min_clocks.value_out_t\;
+    type gc_registers_period_min_clocks_out_t is record
+        value : gc_registers_period_min_clocks_value_out_t;
     end record;
 
-    type \gc_registers.saturation_clocks.value_out_t\ is record
+    type gc_registers_saturation_clocks_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.saturation_clocks_out_t\ is record
-        value : \gc_registers.saturation_clocks.value_out_t\;
+    type gc_registers_saturation_clocks_out_t is record
+        value : gc_registers_saturation_clocks_value_out_t;
     end record;
 
-    type \gc_registers.watchdog_clocks.value_out_t\ is record
+    type gc_registers_watchdog_clocks_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.watchdog_clocks_out_t\ is record
-        value : \gc_registers.watchdog_clocks.value_out_t\;
+    type gc_registers_watchdog_clocks_out_t is record
+        value : gc_registers_watchdog_clocks_value_out_t;
     end record;
 
-    type \gc_registers.result_clocks.value_out_t\ is record
+    type gc_registers_result_clocks_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.result_clocks_out_t\ is record
-        value : \gc_registers.result_clocks.value_out_t\;
+    type gc_registers_result_clocks_out_t is record
+        value : gc_registers_result_clocks_value_out_t;
     end record;
 
-    type \gc_registers.brake_clocks.value_out_t\ is record
+    type gc_registers_brake_clocks_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.brake_clocks_out_t\ is record
-        value : \gc_registers.brake_clocks.value_out_t\;
+    type gc_registers_brake_clocks_out_t is record
+        value : gc_registers_brake_clocks_value_out_t;
     end record;
 
-    type \gc_registers.window_lowx.value_out_t\ is record
+    type gc_registers_window_lowx_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.window_lowx_out_t\ is record
-        value : \gc_registers.window_lowx.value_out_t\;
+    type gc_registers_window_lowx_out_t is record
+        value : gc_registers_window_lowx_value_out_t;
     end record;
-    type \gc_registers.window_lowx_out_t_array\ is array(natural range <>) of \gc_registers.window_lowx_out_t\;
+    type gc_registers_window_lowx_out_t_array is array(natural range <>) of gc_registers_window_lowx_out_t;
 
-    type \gc_registers.window_highx.value_out_t\ is record
+    type gc_registers_window_highx_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.window_highx_out_t\ is record
-        value : \gc_registers.window_highx.value_out_t\;
+    type gc_registers_window_highx_out_t is record
+        value : gc_registers_window_highx_value_out_t;
     end record;
-    type \gc_registers.window_highx_out_t_array\ is array(natural range <>) of \gc_registers.window_highx_out_t\;
+    type gc_registers_window_highx_out_t_array is array(natural range <>) of gc_registers_window_highx_out_t;
 
-    type \gc_registers.fault.clear_out_t\ is record
+    type gc_registers_fault_clear_out_t is record
         value : std_logic_vector(9 downto 0);
     end record;
 
-    type \gc_registers.fault_out_t\ is record
-        clear : \gc_registers.fault.clear_out_t\;
+    type gc_registers_fault_out_t is record
+        clear : gc_registers_fault_clear_out_t;
     end record;
 
-    type \gc_registers.interrupt_status_out_t\ is record
+    type gc_registers_interrupt_status_out_t is record
         intr : std_logic;
     end record;
 
-    type \gc_registers.load_unlock.key_out_t\ is record
+    type gc_registers_load_unlock_key_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.load_unlock_out_t\ is record
-        key : \gc_registers.load_unlock.key_out_t\;
+    type gc_registers_load_unlock_out_t is record
+        key : gc_registers_load_unlock_key_out_t;
     end record;
 
-    type \gc_registers.load_command.begin_image_out_t\ is record
+    type gc_registers_load_command_begin_image_out_t is record
         value : std_logic;
     end record;
 
-    type \gc_registers.load_command.commit_out_t\ is record
+    type gc_registers_load_command_commit_out_t is record
         value : std_logic;
     end record;
 
-    type \gc_registers.load_command.use_rom_out_t\ is record
+    type gc_registers_load_command_use_rom_out_t is record
         value : std_logic;
     end record;
 
-    type \gc_registers.load_command_out_t\ is record
-        begin_image : \gc_registers.load_command.begin_image_out_t\;
-        commit : \gc_registers.load_command.commit_out_t\;
-        use_rom : \gc_registers.load_command.use_rom_out_t\;
+    type gc_registers_load_command_out_t is record
+        begin_image : gc_registers_load_command_begin_image_out_t;
+        commit : gc_registers_load_command_commit_out_t;
+        use_rom : gc_registers_load_command_use_rom_out_t;
     end record;
 
-    type \gc_registers.load_crc.value_out_t\ is record
+    type gc_registers_load_crc_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
 
-    type \gc_registers.load_crc_out_t\ is record
-        value : \gc_registers.load_crc.value_out_t\;
+    type gc_registers_load_crc_out_t is record
+        value : gc_registers_load_crc_value_out_t;
     end record;
 
-    type \gc_registers.load_word.value_out_t\ is record
+    type gc_registers_load_word_value_out_t is record
         value : std_logic_vector(31 downto 0);
         swmod : std_logic;
     end record;
 
-    type \gc_registers.load_word_out_t\ is record
-        value : \gc_registers.load_word.value_out_t\;
+    type gc_registers_load_word_out_t is record
+        value : gc_registers_load_word_value_out_t;
     end record;
 
     type gc_registers_out_t is record
-        control : \gc_registers.control_out_t\;
-        command : \gc_registers.command_out_t\;
-        tick_clocks : \gc_registers.tick_clocks_out_t\;
-        expected_weights : \gc_registers.expected_weights_out_t\;
-        index_position : \gc_registers.index_positionx_out_t_array\(0 to 2);
-        current_limit_ua : \gc_registers.current_limit_ua_out_t\;
-        current_slew_ua : \gc_registers.current_slew_ua_out_t\;
-        period_min_clocks : \gc_registers.period_min_clocks_out_t\;
-        saturation_clocks : \gc_registers.saturation_clocks_out_t\;
-        watchdog_clocks : \gc_registers.watchdog_clocks_out_t\;
-        result_clocks : \gc_registers.result_clocks_out_t\;
-        brake_clocks : \gc_registers.brake_clocks_out_t\;
-        window_low : \gc_registers.window_lowx_out_t_array\(0 to 2);
-        window_high : \gc_registers.window_highx_out_t_array\(0 to 2);
-        fault : \gc_registers.fault_out_t\;
-        interrupt_status : \gc_registers.interrupt_status_out_t\;
-        load_unlock : \gc_registers.load_unlock_out_t\;
-        load_command : \gc_registers.load_command_out_t\;
-        load_crc : \gc_registers.load_crc_out_t\;
-        load_word : \gc_registers.load_word_out_t\;
+        control : gc_registers_control_out_t;
+        command : gc_registers_command_out_t;
+        tick_clocks : gc_registers_tick_clocks_out_t;
+        expected_weights : gc_registers_expected_weights_out_t;
+        index_position : gc_registers_index_positionx_out_t_array(0 to 2);
+        current_limit_ua : gc_registers_current_limit_ua_out_t;
+        current_slew_ua : gc_registers_current_slew_ua_out_t;
+        period_min_clocks : gc_registers_period_min_clocks_out_t;
+        saturation_clocks : gc_registers_saturation_clocks_out_t;
+        watchdog_clocks : gc_registers_watchdog_clocks_out_t;
+        result_clocks : gc_registers_result_clocks_out_t;
+        brake_clocks : gc_registers_brake_clocks_out_t;
+        window_low : gc_registers_window_lowx_out_t_array(0 to 2);
+        window_high : gc_registers_window_highx_out_t_array(0 to 2);
+        fault : gc_registers_fault_out_t;
+        interrupt_status : gc_registers_interrupt_status_out_t;
+        load_unlock : gc_registers_load_unlock_out_t;
+        load_command : gc_registers_load_command_out_t;
+        load_crc : gc_registers_load_crc_out_t;
+        load_word : gc_registers_load_word_out_t;
     end record;
 end package;

@@ -83,7 +83,10 @@ begin
         end if;
       elsif state = state_holding_c then
         if expired = '1' and restart = '0' then
-          next_v := state_run_c when enable = '1' else state_braked_c;
+          next_v := state_braked_c;
+          if enable = '1' then
+            next_v := state_run_c;
+          end if;
         end if;
       elsif state = state_run_c then
         if enable = '0' then
@@ -105,8 +108,14 @@ begin
       end if;
 
       state <= next_v;
-      run <= '1' when next_v = state_holding_c or next_v = state_run_c else '0';
-      brake_release <= '1' when next_v = state_run_c else '0';
+      run <= '0';
+      if next_v = state_holding_c or next_v = state_run_c then
+        run <= '1';
+      end if;
+      brake_release <= '0';
+      if next_v = state_run_c then
+        brake_release <= '1';
+      end if;
     end if;
 
   end process p_state;

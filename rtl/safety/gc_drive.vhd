@@ -112,8 +112,14 @@ begin
         current_v := in_current((i + 1) * bits_c - 1 downto i * bits_c);
         if taken = '1' then
           asked_1 <= current_v;
-          above_1 <= '1' when current_v > ceiling else '0';
-          below_1 <= '1' when current_v < floor else '0';
+          above_1 <= '0';
+          if current_v > ceiling then
+            above_1 <= '1';
+          end if;
+          below_1 <= '0';
+          if current_v < floor then
+            below_1 <= '1';
+          end if;
         end if;
 
         -- stage 2: clip
@@ -128,8 +134,14 @@ begin
         gap_3 <= resize(target_2, bits_c + 1) - command;
 
         -- stage 4: compare with the slew
-        above_4 <= '1' when gap_3 > rise else '0';
-        below_4 <= '1' when gap_3 < fall else '0';
+        above_4 <= '0';
+        if gap_3 > rise then
+          above_4 <= '1';
+        end if;
+        below_4 <= '0';
+        if gap_3 < fall then
+          below_4 <= '1';
+        end if;
 
         -- stage 5: clip
         step_5 <= gap_3(bits_c - 1 downto 0);

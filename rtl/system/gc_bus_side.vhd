@@ -178,7 +178,12 @@ begin
   p_load : process (all) is
   begin
 
-    load_data(31 downto 0) <= regs_out.load_word.value.value when loaded = '1' else regs_out.load_crc.value.value;
+    load_data(31 downto 0) <= regs_out.load_crc.value.value;
+
+    if loaded = '1' then
+      load_data(31 downto 0) <= regs_out.load_word.value.value;
+    end if;
+
     load_data(load_word_c) <= loaded;
     load_data(load_begin_c) <= regs_out.load_command.begin_image.value;
     load_data(load_commit_c) <= regs_out.load_command.commit.value;

@@ -59,7 +59,10 @@ begin
       if wait_clocks > 0 then
         wait_clocks <= wait_clocks - 1;
       elsif load = '0' and distance_v /= 0 then
-        count <= count - 1 when distance_v < 0 else count + 1;
+        count <= count + 1;
+        if distance_v < 0 then
+          count <= count - 1;
+        end if;
         wait_clocks <= clocks_per_edge - 1;
       end if;
       if load = '1' then
