@@ -3,6 +3,7 @@
 WEIGHTS ?= weights/spheiro
 DATA ?= data/prototype.csv
 RUN := .venv/bin
+LAB := $(RUN)/python -m gravcomp_lab
 PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
@@ -18,17 +19,17 @@ setup:
 sim: setup ## the main job: robot poses through the encoder pins of the VHDL under GHDL; table and pictures
 	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)" --check
 	@$(PYTEST) -v tb/test_rtl_force_path.py -k "poses_of_the_workspace or continuous_motion or waveform"
-	@$(RUN)/gravcomp sim-report --weights "$(WEIGHTS)"
+	@$(LAB) sim-report --weights "$(WEIGHTS)"
 
 formal: setup ## what is proven about the hardware, for every input and without a bound; docs/formal.md says how
-	@$(RUN)/gravcomp formal --docs docs
+	@$(LAB) formal --docs docs
 
 mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each? Two hours; docs/mutation.md
-	@$(RUN)/gravcomp mutate --docs docs
+	@$(LAB) mutate --docs docs
 
 coverage: ## the statements of the VHDL that the tests run; docs/coverage.md
 	@scripts/setup.sh ghdl-gcc
-	@$(RUN)/gravcomp coverage --docs docs
+	@$(LAB) coverage --docs docs
 
 test: setup ## all tests but the long ones of the netlists, for which see gatesim
 	@$(PYTEST) -q -n auto
@@ -41,7 +42,7 @@ train: setup ## train the network; write weights/spheiro and its ROM
 	@$(RUN)/gravcomp rom --weights weights/spheiro
 
 table1: setup ## the paper's Table 1, trained here, beside the paper's figures
-	@$(RUN)/gravcomp table1
+	@$(LAB) table1
 
 rom: setup ## write rtl/generated from the CSV files in WEIGHTS
 	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)"
@@ -55,24 +56,24 @@ system: setup ## gc_system: registers, interrupt, results on two clocks; path la
 
 hil: setup ## the robot in the physics engine and gc_system in one simulation: PID with and without the core, faults; docs/hil.md
 	@HIL=full $(PYTEST) -s tb/test_rtl_hil.py
-	@$(RUN)/gravcomp hil-report --docs docs
+	@$(LAB) hil-report --docs docs
 
 budget: setup ## operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics
 	@$(PYTEST) -q tb/test_rtl_budget.py
-	@$(RUN)/gravcomp budget
+	@$(LAB) budget
 
 latency: setup ## initiation interval and latency per number of lanes, measured in simulation
 	@$(PYTEST) -q -n auto tb/test_rtl_core.py
-	@$(RUN)/gravcomp latency
+	@$(LAB) latency
 
 formats: setup ## what every signal of the core can hold over all counts; fixed point against float
 	@$(RUN)/gravcomp formats --weights "$(WEIGHTS)"
 
 docs: sim latency budget ## docs/results.md and its pictures, from fresh runs
 	@set -e; { echo "# Results"; echo; echo "Written by \`make docs\`."; \
-	   echo; echo "## End to end"; echo; $(RUN)/gravcomp sim-report --weights "$(WEIGHTS)" --pictures docs/figures; \
-	   echo; echo "## Interval and latency"; echo; $(RUN)/gravcomp latency; \
-	   echo; echo "## Operations"; echo; $(RUN)/gravcomp budget; \
+	   echo; echo "## End to end"; echo; $(LAB) sim-report --weights "$(WEIGHTS)" --pictures docs/figures; \
+	   echo; echo "## Interval and latency"; echo; $(LAB) latency; \
+	   echo; echo "## Operations"; echo; $(LAB) budget; \
 	   echo; echo "## Fixed point"; echo; $(RUN)/gravcomp formats --weights "$(WEIGHTS)"; } >build/results.md
 	@mv build/results.md docs/results.md
 
@@ -83,16 +84,16 @@ loop: setup ## close the loop with measured data: DATA=log.csv, MODEL=robot.toml
 	@$(RUN)/gravcomp loop-report --loop build/loop
 
 blind: setup ## tally of the diagnosis on data sets drawn by seed; docs/blind.md
-	@$(RUN)/gravcomp blind --jobs 2 --docs docs
+	@$(LAB) blind --jobs 2 --docs docs
 
 table2: setup ## the paper's Table 2 on the virtual prototype; docs/table2.md
-	@$(RUN)/gravcomp table2
+	@$(LAB) table2
 
 synth: latency ## area and clock of the core with 1, 4 and 20 lanes, placed and routed on ECP5; docs/synthesis.md
-	@$(RUN)/gravcomp synth --docs docs
+	@$(LAB) synth --docs docs
 
 synth-all: latency ## the same with 1, 2, 4, 5, 10 and 20 lanes
-	@$(RUN)/gravcomp synth --lanes 1 2 4 5 10 20 --docs docs
+	@$(LAB) synth --lanes 1 2 4 5 10 20 --docs docs
 
 gatesim: setup ## the core as GHDL's Verilog, as generic and as ECP5 netlist passes the tests of the VHDL, under Icarus
 	@$(PYTEST) -q -n auto -m "" tb/test_rtl_gates.py
@@ -104,8 +105,8 @@ gatesim-nightly: setup ## 100 000 random poses through GHDL's Verilog, 10 000 th
 peers: setup ## the core beside da4ml and NNgen (same flow; slow) and beside this machine's processor; docs/peers.md
 	@$(RUN)/python -c "import da4ml, nngen" 2>/dev/null || \
 	   $(RUN)/pip install --constraint constraints.txt --editable '.[peers]'
-	@$(RUN)/gravcomp peers --docs docs
-	@$(RUN)/gravcomp jitter --docs docs
+	@$(LAB) peers --docs docs
+	@$(LAB) jitter --docs docs
 
 lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
 	@$(RUN)/ruff check . && $(RUN)/ruff format --check .

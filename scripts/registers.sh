@@ -15,9 +15,9 @@ peakrdl() {
 mkdir -p "$out/rtl/registers" "$out/host" "$out/build"
 peakrdl regblock-vhdl -o "$out/rtl/registers" --cpuif axi4-lite-flat --default-reset rst --type-style hier --addr-width 12 \
     --err-if-bad-addr --err-if-bad-rw
-.venv/bin/python -m gravcomp.system.plain_vhdl "$out/rtl/registers/gc_registers_pkg.vhd" "$out/rtl/registers/gc_registers.vhd"
+.venv/bin/python -m gravcomp_lab.registers.plain_vhdl "$out/rtl/registers/gc_registers_pkg.vhd" "$out/rtl/registers/gc_registers.vhd"
 peakrdl c-header -o "$out/host/gravcomp_registers.h" --std gnu99 --type-style hier
 peakrdl html -o "$out/build/registers"
 peakrdl ip-xact -o "$out/build/gc_registers.xml" --standard 2009 --vendor gravcomp --library gravcomp \
     --version "$version"
-.venv/bin/gravcomp ipxact "$out/build/gc_registers.xml" --out "$out/rtl"
+.venv/bin/python -m gravcomp_lab ipxact "$out/build/gc_registers.xml" --out "$out/rtl"

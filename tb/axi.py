@@ -6,7 +6,7 @@ from cocotb.task import resume
 from cocotb.triggers import SimTimeoutError, with_timeout
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp
 
-from gravcomp.system.registers import read_registers
+from gravcomp.driver.registers import read_registers
 
 # A core that does not answer in this time never will: the test ends instead of waiting.
 ANSWER_US = 100

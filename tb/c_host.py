@@ -6,7 +6,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from codes import ROOT
-from gravcomp.system.host import AXES, Bus, Identity, Result, Settings, State
+from gravcomp.driver.host import AXES, Bus, Identity, Result, Settings, State
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 SOURCES = ("gravcomp.c", "example.c")
@@ -60,7 +60,7 @@ def _plain(struct: ctypes.Structure, twin: type):
 
 
 class CHost:
-    """gravcomp.system.host.Host, computed by the C driver."""
+    """gravcomp.driver.host.Host, computed by the C driver."""
 
     def __init__(self, library: Path, bus: Bus):
         self._c = ctypes.CDLL(str(library))

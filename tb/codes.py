@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.network.compensation import FixedCompensation, quantise_compensation
-from gravcomp.network.compensation_csv import load_compensation
-from gravcomp.network.quantise import FixedNetwork, quantise
+from gravcomp.core.compensation import load_compensation
+from gravcomp.core.compensator_tables import FixedCompensation, quantise_compensation
+from gravcomp.core.formats import FixedNetwork, quantise
 from gravcomp.network.weights import load_network
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.synthesis.verilog import source_of
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp_lab.synthesis.verilog import source_of
 
 ROOT = Path(__file__).resolve().parents[1]
 

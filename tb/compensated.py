@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from codes import ROOT
-from gravcomp.network.compensation import FixedCompensation, quantise_compensation
-from gravcomp.network.compensation_csv import Compensation, load_compensation
-from gravcomp.network.rom import write_rom
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.core.compensation import Compensation, load_compensation
+from gravcomp.core.compensator_tables import FixedCompensation, quantise_compensation
+from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.robot.spheiro.parameters import load_parameters
 
 N_AXES = 3
 # A clock so slow that the simulator's axes move as fast as real ones: 16 clocks per 4 counts are 2.5 mm/s.

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from gravcomp.encoder import NO_PERIOD, DecoderConfig, quadrature, wrap_32
+from gravcomp.twin.encoder import NO_PERIOD, DecoderConfig, quadrature, wrap_32
 
 Signals = Mapping[str, np.ndarray]
 SPEED_LATENCY = 3  # clocks from count to speed

@@ -10,12 +10,13 @@ from cocotb.triggers import FallingEdge
 
 from codes import ROOT, pack, unpack
 from compensated import compensated_weights
-from gravcomp.network import bittrue
-from gravcomp.network.compensation import FixedCompensation, compensator
-from gravcomp.network.image import Image, load_image
-from gravcomp.network.quantise import COUNT_BITS, CURRENT_BITS, FORCE_BITS, FixedNetwork
+from gravcomp.core.compensator_tables import FixedCompensation
+from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS, FORCE_BITS, FixedNetwork
+from gravcomp.core.image import Image, load_image
 from gravcomp.network.weights import load_network, save_network
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.twin import network as bittrue
+from gravcomp.twin.compensator import compensator
 from test_rtl_force_path import CLOCKS_BEHIND_CORE, Bench
 
 SPHEIRO = ROOT / "weights" / "spheiro"

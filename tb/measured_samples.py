@@ -5,8 +5,8 @@ from functools import partial
 import numpy as np
 
 from gravcomp.logs.measurement import Measurement
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
 
 P = load_parameters()
 REACH_M = 0.08  # inside the joint space for any combination of signs

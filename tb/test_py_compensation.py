@@ -6,19 +6,13 @@ import numpy as np
 import pytest
 
 from compensated import N_AXES, compensated_weights, constants, draw_periods
-from gravcomp.encoder import NO_PERIOD, DecoderConfig, quad_decoder, quadrature
+from gravcomp.core.compensation import load_compensation, no_compensation, save_compensation
+from gravcomp.core.compensator_tables import FRICTION_BITS, quantise_compensation
+from gravcomp.core.formats import FORCE_BITS
 from gravcomp.errors import InputError
-from gravcomp.network.compensation import (
-    FRICTION_BITS,
-    compensator,
-    friction,
-    period_of,
-    position_table,
-    quantise_compensation,
-)
-from gravcomp.network.compensation_csv import load_compensation, no_compensation, save_compensation
-from gravcomp.network.quantise import FORCE_BITS
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.twin.compensator import compensator, friction, period_of, position_table
+from gravcomp.twin.encoder import NO_PERIOD, DecoderConfig, quad_decoder, quadrature
 
 P = load_parameters()
 M_PER_COUNT = P.encoder_m_per_count

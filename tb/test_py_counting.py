@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from gravcomp.counting import (
+from gravcomp.network.weights import Network
+from gravcomp.robot.spheiro.kinematics import inverse_kinematics
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.spheiro.workspace import sample_workspace
+from gravcomp_lab.paper.operations import (
     Counted,
     OperationCount,
     count_network_operations,
@@ -13,11 +18,6 @@ from gravcomp.counting import (
     network_on_counted,
     statics_on_counted,
 )
-from gravcomp.network.weights import Network
-from gravcomp.robot.kinematics import inverse_kinematics
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.statics import holding_forces_at
-from gravcomp.robot.workspace import sample_workspace
 
 P = load_parameters()
 

@@ -11,10 +11,10 @@ from gravcomp.diagnosis.diagnosis import diagnose
 from gravcomp.diagnosis.model import Model, load_model, model_toml
 from gravcomp.diagnosis.report import report
 from gravcomp.logs.csv_reader import read_measurement
-from gravcomp.robot.kinematics import inverse_kinematics
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.statics import holding_forces_at
-from gravcomp.robot.workspace import sample_workspace
+from gravcomp.robot.spheiro.kinematics import inverse_kinematics
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.spheiro.workspace import sample_workspace
 
 P = load_parameters()
 NOISE_N = 0.3

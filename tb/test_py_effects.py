@@ -21,8 +21,8 @@ from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.periodogram import find_lines, pitch_of
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
-from gravcomp.robot.kinematics import direct_kinematics
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.kinematics import direct_kinematics
+from gravcomp.robot.spheiro.statics import holding_forces_at
 from measured_samples import MOTION_M, MOTION_RAD_PER_S, P, arm, holds, motion, sampled
 
 # name: units by parameter ([q], [f]: units of position and effort in the data), place in hardware

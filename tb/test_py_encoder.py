@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from encoder_scenarios import SCENARIOS, pins
-from gravcomp.encoder import DecoderConfig, quad_decoder, quadrature, wrap_32
+from gravcomp.twin.encoder import DecoderConfig, quad_decoder, quadrature, wrap_32
 
 SEED = 20
 CONFIGS = [

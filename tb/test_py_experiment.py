@@ -13,10 +13,16 @@ from gravcomp.errors import InputError
 from gravcomp.prototype.experiment import hold_poses, log_csv, measure
 from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED
 from gravcomp.prototype.plant import Plant
-from gravcomp.robot.kinematics import PoseError, direct_kinematics, inverse_kinematics, jacobian, passive_jacobian
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.statics import holding_forces_at
-from gravcomp.robot.workspace import sample_workspace
+from gravcomp.robot.spheiro.kinematics import (
+    PoseError,
+    direct_kinematics,
+    inverse_kinematics,
+    jacobian,
+    passive_jacobian,
+)
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.spheiro.workspace import sample_workspace
 from gravcomp_lab.paper.field import hold_field
 
 P = load_parameters()

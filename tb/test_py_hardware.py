@@ -14,8 +14,8 @@ from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.placement import compensation_from_effects
 from gravcomp.loop.retraining import augmented_set, retrained
 from gravcomp.network.weights import load_network
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
 
 P = load_parameters()
 THREE = (1, 2, 3)

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gravcomp.cli import main
-from gravcomp.robot.kinematics import direct_kinematics
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.prototype import TIME_STEP_S
-from gravcomp.robot.statics import holding_forces_at
-from gravcomp.system.hil import FULL, SHORT, Log, load, save, stop_after
-from gravcomp.system.plant import BRAKE_N, BrakedPrototype, Pid
+from gravcomp.prototype.body import TIME_STEP_S
+from gravcomp.robot.spheiro.kinematics import direct_kinematics
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp_lab.__main__ import main
+from gravcomp_lab.hil.plant import BRAKE_N, BrakedPrototype, Pid
+from gravcomp_lab.hil.runs import FULL, SHORT, Log, load, save, stop_after
 
 P = load_parameters()
 START_M = FULL[0].target_m(0.0, P)

@@ -9,14 +9,14 @@ import pytest
 
 from codes import ROOT
 from compensated import CSV
+from gravcomp.core import formats as q
+from gravcomp.core.compensator_tables import PHASE_STEP_BITS
+from gravcomp.core.formats import quantise
+from gravcomp.core.image import load_image
 from gravcomp.errors import InputError
-from gravcomp.network import quantise as q
-from gravcomp.network.compensation import PHASE_STEP_BITS
-from gravcomp.network.image import load_image
-from gravcomp.network.quantise import quantise
 from gravcomp.network.weights import load_network, save_network
-from gravcomp.proof.bounds import intervals
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.twin.bounds import intervals
 from loading import OTHER_CSV, SPHEIRO, image_of, other_weights
 
 P = load_parameters()

@@ -13,11 +13,11 @@ import pytest
 from lxml import etree
 
 from codes import ROOT
-from gravcomp.cli import main
+from gravcomp.driver.registers import IPXACT, SPIRIT, read_registers
 from gravcomp.errors import InputError
-from gravcomp.system.entity import Generic, read_entity
-from gravcomp.system.ipxact import SCRIPT, SPIRIT, XILINX, component
-from gravcomp.system.registers import IPXACT, read_registers
+from gravcomp_lab.__main__ import main
+from gravcomp_lab.ipxact.component import SCRIPT, XILINX, component
+from gravcomp_lab.ipxact.entity import Generic, read_entity
 from runner import RTL
 
 COMPONENT = ElementTree.parse(IPXACT).getroot()

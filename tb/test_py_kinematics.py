@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from gravcomp.robot.kinematics import (
+from gravcomp.robot.spheiro.kinematics import (
     HOME_AXES,
     PoseError,
     direct_kinematics,
@@ -13,8 +13,8 @@ from gravcomp.robot.kinematics import (
     passive_coordinates,
     passive_jacobian,
 )
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.workspace import sample_workspace
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.workspace import sample_workspace
 
 P = load_parameters()
 CYCLE = np.eye(3)[[2, 0, 1]]  # x -> y -> z -> x

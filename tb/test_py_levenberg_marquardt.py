@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from gravcomp.network.levenberg_marquardt import ACTIVATIONS, Problem, Stop, levenberg_marquardt
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, levenberg_marquardt
 
 N_IN, N_OUT = 3, 3
 GAMMA, TANH = ACTIVATIONS["gamma"], ACTIVATIONS["tanh"]

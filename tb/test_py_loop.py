@@ -9,11 +9,11 @@ import pytest
 
 from codes import ROOT
 from gravcomp.cli import main
+from gravcomp.core.compensation import load_compensation
 from gravcomp.loop.loop import SAMPLES
-from gravcomp.network.compensation_csv import load_compensation
 from gravcomp.network.weights import load_network
-from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
 from measured_samples import holds
 
 WEIGHTS = ROOT / "weights" / "spheiro"

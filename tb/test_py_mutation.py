@@ -2,11 +2,20 @@
 
 import pytest
 
-from gravcomp.mutation import trial
-from gravcomp.mutation.campaign import markdown, plan, reasons
-from gravcomp.mutation.mutants import Mutant, candidates, draw
-from gravcomp.mutation.trial import CAUGHT, INVALID, SURVIVED, TIMEOUT, Outcome, relevant_tests, run_tests, try_mutant
-from gravcomp.synthesis.verilog import source_of
+from gravcomp_lab.mutation import trial
+from gravcomp_lab.mutation.campaign import markdown, plan, reasons
+from gravcomp_lab.mutation.mutants import Mutant, candidates, draw
+from gravcomp_lab.mutation.trial import (
+    CAUGHT,
+    INVALID,
+    SURVIVED,
+    TIMEOUT,
+    Outcome,
+    relevant_tests,
+    run_tests,
+    try_mutant,
+)
+from gravcomp_lab.synthesis.verilog import source_of
 from runner import ROOT
 
 VHDL = """\

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gravcomp.errors import InputError
-from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters, parameters_from_table
+from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, load_parameters, parameters_from_table
 
 NOMINAL = NOMINAL_TOML.read_text()
 

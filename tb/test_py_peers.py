@@ -11,13 +11,13 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
 from codes import ROOT, pack, unpack
-from gravcomp import page
 from gravcomp.errors import InputError
 from gravcomp.network.activation import gamma
 from gravcomp.network.weights import load_network
-from gravcomp.peers import claims, design, jitter, measure, ours
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.synthesis.place_route import Placement
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp_lab import pages
+from gravcomp_lab.peers import claims, design, jitter, measure, ours
+from gravcomp_lab.synthesis.place_route import Placement
 from runner import BUILD, simulate
 
 NETWORK = load_network(ROOT / "weights" / "spheiro")
@@ -107,7 +107,7 @@ async def peer_stream(dut):
 @pytest.mark.parametrize(("activation", "cutoff"), [("quadratic", 5), ("quadratic", 1), ("hard tanh", 2)])
 def test_da4ml_verilog_equals_its_model_at_the_stated_latency(activation, cutoff):
     pytest.importorskip("da4ml", reason="da4ml is not installed; make peers installs it")
-    from gravcomp.peers import da4ml_peer
+    from gravcomp_lab.peers import da4ml_peer
 
     name = f"da4ml-{activation.replace(' ', '-')}-{cutoff}"
     folder, x = BUILD / "tb" / "peers" / name, design.normalised_inputs(NETWORK, PARAMETERS, 200, 3)
@@ -121,7 +121,7 @@ def test_da4ml_verilog_equals_its_model_at_the_stated_latency(activation, cutoff
 
 def test_da4ml_error_is_that_of_its_fraction_bits():
     pytest.importorskip("da4ml", reason="da4ml is not installed; make peers installs it")
-    from gravcomp.peers import da4ml_peer
+    from gravcomp_lab.peers import da4ml_peer
 
     x = design.normalised_inputs(NETWORK, PARAMETERS, 200, 3)
     outputs = da4ml_peer.adder_graph(NETWORK, "quadratic").predict(da4ml_peer.rounded(x))
@@ -131,7 +131,7 @@ def test_da4ml_error_is_that_of_its_fraction_bits():
 @pytest.mark.slow
 def test_nngen_verilog_equals_its_model(tmp_path):
     pytest.importorskip("nngen", reason="NNgen is not installed; make peers installs it")
-    from gravcomp.peers import nngen_peer
+    from gravcomp_lab.peers import nngen_peer
 
     peer = nngen_peer.generate(NETWORK, design.normalised_inputs(NETWORK, PARAMETERS, 50, 3), tmp_path)
     assert 300 < peer.latency < 1000
@@ -141,11 +141,11 @@ def test_nngen_verilog_equals_its_model(tmp_path):
 def test_page_is_renewed_between_its_marks_only(tmp_path):
     path = tmp_path / "page.md"
     path.write_text("a\n<!-- t -->\nold\n<!-- /t -->\nb\n")
-    page.renew(path, "t", "new\n")
-    page.renew(path, "t", "newer")
+    pages.renew(path, "t", "new\n")
+    pages.renew(path, "t", "newer")
     assert path.read_text() == "a\n<!-- t -->\n\nnewer\n\n<!-- /t -->\nb\n"
     with pytest.raises(InputError, match=r"page\.md: its lines <!-- x -->"):
-        page.renew(path, "x", "new")
+        pages.renew(path, "x", "new")
 
 
 def test_core_without_results_of_synthesis_is_one_line(tmp_path):

@@ -3,7 +3,7 @@
 import pytest
 
 from gravcomp.errors import InputError
-from gravcomp.system.plain_vhdl import plain
+from gravcomp_lab.registers.plain_vhdl import plain
 
 
 def test_extended_identifiers_become_plain():

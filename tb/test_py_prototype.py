@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from gravcomp.errors import InputError
-from gravcomp.robot.kinematics import PoseError, inverse_kinematics, passive_coordinates, passive_jacobian
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.prototype import Prototype
-from gravcomp.robot.statics import holding_forces
-from gravcomp.robot.workspace import sample_workspace
+from gravcomp.prototype.body import Prototype
+from gravcomp.robot.spheiro.kinematics import PoseError, inverse_kinematics, passive_coordinates, passive_jacobian
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces
+from gravcomp.robot.spheiro.workspace import sample_workspace
 
 P = load_parameters()
 POSES = sample_workspace(20, P, seed=20)

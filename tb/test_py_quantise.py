@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from codes import ROOT
-from gravcomp.network import bittrue
+from gravcomp.core.formats import bits_for, partial_sum_interval, quantise
 from gravcomp.network.activation import gamma
-from gravcomp.network.quantise import bits_for, partial_sum_interval, quantise
 from gravcomp.network.weights import Network, load_network
-from gravcomp.proof.bounds import fixed_point_error_mn, intervals
-from gravcomp.proof.poses import counts_at
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.workspace import pose
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.workspace import pose
+from gravcomp.twin import network as bittrue
+from gravcomp.twin.bounds import fixed_point_error_mn, intervals
+from gravcomp_lab.simulated.poses import counts_at
 
 P = load_parameters()
 SEED = 41

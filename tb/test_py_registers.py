@@ -7,9 +7,9 @@ import tomllib
 import pytest
 
 from codes import ROOT
+from gravcomp.driver.registers import IPXACT, read_registers
 from gravcomp.errors import InputError
-from gravcomp.system.ipxact import SCRIPT
-from gravcomp.system.registers import IPXACT, read_registers
+from gravcomp_lab.ipxact.component import SCRIPT
 from runner import RTL
 
 GENERATED = [

@@ -3,7 +3,7 @@
 import pytest
 
 from codes import ROOT
-from gravcomp.cli import main
+from gravcomp_lab.__main__ import main
 
 WEIGHTS = ["--weights", str(ROOT / "weights" / "spheiro")]
 RUN_HEADER = "set,count1,count2,count3,f1_mn,f2_mn,f3_mn\n"

@@ -6,9 +6,9 @@ import pytest
 
 from codes import ROOT, fixed_network
 from gravcomp.cli import main
-from gravcomp.network.rom import PACKAGE_FILE, stale_rom_files, write_rom
+from gravcomp.core.vhdl.network_package import PACKAGE_FILE, stale_rom_files, write_rom
 from gravcomp.network.weights import HIDDEN_CSV, load_network, save_network, weights_hash
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.spheiro.parameters import load_parameters
 
 SHIPPED = ROOT / "weights" / "spheiro"
 

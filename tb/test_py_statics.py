@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from gravcomp.robot.kinematics import PoseError, inverse_kinematics, jacobian
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.statics import holding_forces, holding_forces_at, potential_energy
-from gravcomp.robot.workspace import sample_workspace
+from gravcomp.robot.spheiro.kinematics import PoseError, inverse_kinematics, jacobian
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces, holding_forces_at, potential_energy
+from gravcomp.robot.spheiro.workspace import sample_workspace
 
 P = load_parameters()
 CYCLE = np.eye(3)[[2, 0, 1]]

@@ -12,11 +12,11 @@ import subprocess
 import pytest
 
 from gravcomp.errors import InputError
-from gravcomp.synthesis.place_route import place_and_route, prepare
-from gravcomp.synthesis.report import picture, tables
-from gravcomp.synthesis.survey import MULTIPLIER, TOP, Result
-from gravcomp.synthesis.verilog import repair, rtl_sources, to_verilog
-from gravcomp.synthesis.yosys import synthesise
+from gravcomp_lab.synthesis.place_route import place_and_route, prepare
+from gravcomp_lab.synthesis.report import picture, tables
+from gravcomp_lab.synthesis.survey import MULTIPLIER, TOP, Result
+from gravcomp_lab.synthesis.verilog import repair, rtl_sources, to_verilog
+from gravcomp_lab.synthesis.yosys import synthesise
 from runner import ROOT, RTL
 
 PINS = ROOT / "tb" / "synthesis.csv"
@@ -183,7 +183,7 @@ def test_picture_shows_every_number_of_lanes():
 
 
 def test_command_refuses_a_missing_measurement(tmp_path):
-    command = [str(ROOT / ".venv/bin/gravcomp"), "synth", "--lanes", "1", "--build", str(tmp_path)]
+    command = [str(ROOT / ".venv/bin/python"), "-m", "gravcomp_lab", "synth", "--lanes", "1", "--build", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 2
     assert "make latency" in done.stderr

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from gravcomp.cli import main
-from gravcomp.network.table1 import PAPER, Row, markdown, plain_start, table1
-from gravcomp.network.training import workspace_set
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.training.training import workspace_set
+from gravcomp_lab.__main__ import main
+from gravcomp_lab.paper.table1 import PAPER, Row, markdown, plain_start, table1
 
 P = load_parameters()
 
@@ -47,7 +47,9 @@ def test_markdown_puts_the_papers_figures_beside_ours():
 
 
 def test_command_prints_the_table_and_writes_it(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("gravcomp.commands.table1.table1", lambda *_, **__: [Row(15, "gamma", "gamma", 1.0, 2.0, 3.0)])
+    monkeypatch.setattr(
+        "gravcomp_lab.commands.table1.table1", lambda *_, **__: [Row(15, "gamma", "gamma", 1.0, 2.0, 3.0)]
+    )
     out = tmp_path / "table1.md"
     assert main(["table1", "--poses", "10", "--out", str(out)]) == 0
     printed = capsys.readouterr().out

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from gravcomp.cli import main
 from gravcomp.diagnosis.candidate import Parameter, Term
 from gravcomp.diagnosis.effects.coulomb_friction import CoulombFriction
 from gravcomp.diagnosis.fit import Entry, Fit
 from gravcomp.network.activation import gamma
 from gravcomp.network.weights import load_network
-from gravcomp.robot.kinematics import inverse_kinematics
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.workspace import sample_workspace
+from gravcomp.robot.spheiro.kinematics import inverse_kinematics
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.workspace import sample_workspace
+from gravcomp_lab.__main__ import main
 from gravcomp_lab.paper.field import APPROACHES, hold_field
 from gravcomp_lab.paper.field_core import FieldCore, build_core
 from gravcomp_lab.paper.fine_tuning import WAYS, fine_tune, tune_by_validation
@@ -132,7 +132,7 @@ def test_core_holds_the_statics_without_effects_and_adds_friction_with_them(outw
 
 
 def test_command_prints_the_table_and_writes_it(table, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("gravcomp.commands.table2.table2", lambda *_: table)
+    monkeypatch.setattr("gravcomp_lab.commands.table2.table2", lambda *_: table)
     out = tmp_path / "table2.md"
     assert main(["table2", "--seed", "3", "--out", str(out)]) == 0
     printed = capsys.readouterr().out

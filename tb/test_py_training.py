@@ -9,13 +9,18 @@ import numpy as np
 import pytest
 
 from gravcomp.cli import main
+from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
-from gravcomp.network.levenberg_marquardt import ACTIVATIONS, Problem, Stop, levenberg_marquardt
-from gravcomp.network.quantise import quantise
-from gravcomp.network.scaling import workspace_scaling
-from gravcomp.network.search import basin_hopping, best_of_draws, random_hidden
-from gravcomp.network.symmetry import cyclic_images, cyclic_tie, is_cyclic
-from gravcomp.network.training import (
+from gravcomp.network.weights import load_network, save_network
+from gravcomp.robot.spheiro.kinematics import inverse_kinematics
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces
+from gravcomp.robot.spheiro.workspace import pose
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, levenberg_marquardt
+from gravcomp.training.scaling import workspace_scaling
+from gravcomp.training.search import basin_hopping, best_of_draws, random_hidden
+from gravcomp.training.symmetry import cyclic_images, cyclic_tie, is_cyclic
+from gravcomp.training.training import (
     N_TEST_POSES,
     RIDGE,
     Effort,
@@ -27,11 +32,6 @@ from gravcomp.network.training import (
     train,
     workspace_set,
 )
-from gravcomp.network.weights import load_network, save_network
-from gravcomp.robot.kinematics import inverse_kinematics
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.statics import holding_forces
-from gravcomp.robot.workspace import pose
 
 P = load_parameters()
 SHIPPED = Path(__file__).resolve().parents[1] / "weights" / "spheiro"
@@ -110,7 +110,7 @@ def test_hops_lower_the_cost_and_respect_the_weight_limit(monkeypatch):
     rng = np.random.default_rng(8)
     drawn = best_of_draws(problem, 5, rng)
     limit = 1.05 * np.abs(drawn.hidden[:, :-1]).max()
-    monkeypatch.setattr("gravcomp.network.search.WEIGHT_LIMIT", limit)
+    monkeypatch.setattr("gravcomp.training.search.WEIGHT_LIMIT", limit)
     hopped = basin_hopping(problem, drawn, 20, rng)
     assert hopped.cost < drawn.cost
     assert np.abs(hopped.hidden[:, :-1]).max() < limit

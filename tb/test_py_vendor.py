@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from codes import fixed_network
-from gravcomp.network.bittrue import core
-from gravcomp.synthesis.verilog import source_of
+from gravcomp.twin.network import core
+from gravcomp_lab.synthesis.verilog import source_of
 from runner import ROOT, RTL, rtl_sources
 
 TOPS = ("gc_force_path", "gc_system")

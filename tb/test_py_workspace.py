@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.workspace import CENTRE, pose, sample_workspace
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.workspace import CENTRE, pose, sample_workspace
 
 P = load_parameters()
 

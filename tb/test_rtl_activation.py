@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from codes import pack, unpack
-from gravcomp.network.bittrue import activation
-from gravcomp.network.quantise import OPERAND_BITS
+from gravcomp.core.formats import OPERAND_BITS
+from gravcomp.twin.network import activation
 from runner import simulate
 from stream import after_resets, latencies, start, stream
 

@@ -5,8 +5,8 @@ import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
-from gravcomp.synthesis.verilog import source_of
-from gravcomp.system.safety import State
+from gravcomp.twin.safety import State
+from gravcomp_lab.synthesis.verilog import source_of
 from runner import RTL, simulate
 
 

@@ -14,9 +14,9 @@ from cocotb.handle import HierarchyObject
 from cocotb.triggers import FallingEdge, Timer
 
 from codes import fixed_network, pack
-from gravcomp.counting import count_network_operations
-from gravcomp.network.quantise import COUNT_BITS
+from gravcomp.core.formats import COUNT_BITS
 from gravcomp.network.weights import load_network
+from gravcomp_lab.paper.operations import count_network_operations
 from runner import BUILD, ROOT, simulate
 from stream import start
 

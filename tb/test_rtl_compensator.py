@@ -9,9 +9,9 @@ import pytest
 
 from codes import ROOT, corners_and_random, fixed_network, pack, unpack, vhdl_constant
 from compensated import CSV, N_AXES, compensated_weights, constants, draw_periods
-from gravcomp.network import bittrue
-from gravcomp.network.compensation import compensator, friction
-from gravcomp.network.quantise import COUNT_BITS, FORCE_BITS
+from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
+from gravcomp.twin import network as bittrue
+from gravcomp.twin.compensator import compensator, friction
 from runner import BUILD, simulate
 from stream import latencies, start, stream
 from test_rtl_force_path import Bench

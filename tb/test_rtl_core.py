@@ -10,8 +10,8 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 from codes import corners_and_random, fixed_network, pack, unpack
-from gravcomp.network import bittrue
-from gravcomp.network.quantise import COUNT_BITS, FORCE_BITS
+from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
+from gravcomp.twin import network as bittrue
 from runner import BUILD, simulate
 from stream import latencies, start, stream
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from gravcomp.network.rom import write_rom
+from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.weights import Network, save_network
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.spheiro.parameters import load_parameters
 from runner import simulate
 
 

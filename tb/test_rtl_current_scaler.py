@@ -4,9 +4,9 @@ import cocotb
 import numpy as np
 
 from codes import corners_and_random, fixed_network, pack, unpack, vhdl_constant
-from gravcomp.network.bittrue import current_scaler
-from gravcomp.network.quantise import CURRENT_BITS, FORCE_BITS
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.core.formats import CURRENT_BITS, FORCE_BITS
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.twin.network import current_scaler
 from runner import simulate
 from stream import after_resets, latencies, start, stream
 

@@ -4,8 +4,8 @@ import cocotb
 import numpy as np
 
 from codes import corners_and_random, fixed_network, pack, unpack
-from gravcomp.network.quantise import CURRENT_BITS
-from gravcomp.system.drive import LATENCY, drive
+from gravcomp.core.formats import CURRENT_BITS
+from gravcomp.twin.drive import LATENCY, drive
 from playback import play
 from runner import simulate
 

@@ -7,7 +7,7 @@ import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
-from gravcomp.encoder import DecoderConfig, quad_decoder, quadrature, wrap_32
+from gravcomp.twin.encoder import DecoderConfig, quad_decoder, quadrature, wrap_32
 from runner import simulate
 
 HDL = Path(__file__).parent / "hdl"

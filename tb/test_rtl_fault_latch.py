@@ -4,8 +4,8 @@ import cocotb
 import numpy as np
 
 from codes import corners_and_random, fixed_network, pack, unpack
-from gravcomp.network.quantise import COUNT_BITS
-from gravcomp.system.safety import Cause, FaultLatch
+from gravcomp.core.formats import COUNT_BITS
+from gravcomp.twin.safety import Cause, FaultLatch
 from playback import play
 from runner import simulate
 

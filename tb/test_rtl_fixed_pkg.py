@@ -3,7 +3,7 @@
 import cocotb
 from cocotb.triggers import Timer
 
-from gravcomp.network.bittrue import saturate
+from gravcomp.twin.network import saturate
 from runner import BENCHES, simulate
 
 

@@ -16,12 +16,12 @@ from cocotb.triggers import FallingEdge
 
 from codes import fixed_compensation, fixed_network, pack, unpack, vhdl_constant
 from compensated import compensated_weights
-from gravcomp.network import bittrue
-from gravcomp.network.compensation import compensator
-from gravcomp.network.quantise import COUNT_BITS, CURRENT_BITS, FORCE_BITS
-from gravcomp.network.rom import write_rom
-from gravcomp.proof.poses import motion, pose_sets
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS, FORCE_BITS
+from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.twin import network as bittrue
+from gravcomp.twin.compensator import compensator
+from gravcomp_lab.simulated.poses import motion, pose_sets
 from runner import BENCHES, BUILD, simulate
 
 RESULTS = BUILD / "sim"

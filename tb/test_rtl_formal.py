@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from gravcomp.formal.claims import CLAIMS, verify
-from gravcomp.synthesis.verilog import source_of
+from gravcomp_lab.formal.claims import CLAIMS, verify
+from gravcomp_lab.synthesis.verilog import source_of
 from runner import BUILD, ROOT, RTL
 
 CHECKERS = ROOT / "tb" / "formal"

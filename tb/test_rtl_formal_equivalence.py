@@ -2,8 +2,8 @@
 
 import pytest
 
-from gravcomp.formal.equivalence import netlist_equals
-from gravcomp.synthesis.verilog import rtl_sources, to_verilog
+from gravcomp_lab.formal.equivalence import netlist_equals
+from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 from runner import RTL
 
 ENTITIES = {

@@ -4,8 +4,8 @@ import shutil
 
 import pytest
 
-from gravcomp.formal.claims import CLAIMS, verify
-from gravcomp.synthesis.verilog import source_of
+from gravcomp_lab.formal.claims import CLAIMS, verify
+from gravcomp_lab.synthesis.verilog import source_of
 from runner import ROOT
 
 CHECKERS = ROOT / "tb" / "formal"

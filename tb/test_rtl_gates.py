@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import test_rtl_core
-from gravcomp.synthesis.verilog import rtl_sources, to_verilog
-from gravcomp.synthesis.yosys import synthesise
+from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
+from gravcomp_lab.synthesis.yosys import synthesise
 from runner import BUILD, ROOT, RTL, simulate
 from test_rtl_core import (  # noqa: F401, cocotb finds them here
     back_to_back,

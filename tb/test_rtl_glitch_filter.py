@@ -6,7 +6,7 @@ import cocotb
 import numpy as np
 import pytest
 
-from gravcomp.encoder import glitch_filter
+from gravcomp.twin.encoder import glitch_filter
 from playback import assert_equal, play
 from runner import simulate
 

@@ -1,7 +1,7 @@
 """gc_system and the robot in the physics engine, in one simulation: PID alone, with the core, and faults in mid-motion.
 
 The carriages move the encoders; currents and brakes of gc_system act on the carriages; the host reads the positions for
-its PID over AXI4-Lite. HIL=full (`make hil`) runs longer; both leave their logs for `gravcomp hil-report`.
+its PID over AXI4-Lite. HIL=full (`make hil`) runs longer; both leave their logs for `gravcomp-lab hil-report`.
 """
 
 import os
@@ -14,11 +14,11 @@ from cocotb.utils import get_sim_time
 from tqdm import tqdm
 
 from codes import pack, unpack
-from gravcomp.network.quantise import COUNT_BITS, CURRENT_BITS
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.prototype import TIME_STEP_S
-from gravcomp.system.hil import FULL, SHORT, STILL_RADPS, Fault, Log, Run, load, rms, save, stop_after
-from gravcomp.system.plant import BrakedPrototype, Pid
+from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS
+from gravcomp.prototype.body import TIME_STEP_S
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp_lab.hil.plant import BrakedPrototype, Pid
+from gravcomp_lab.hil.runs import FULL, SHORT, STILL_RADPS, Fault, Log, Run, load, rms, save, stop_after
 from runner import BENCHES, BUILD, simulate
 from test_rtl_system import ALL_FAULTS, N_AXES, System
 

@@ -14,12 +14,12 @@ from axi import SimulatedBus
 from c_host import CHost, compile_host
 from codes import ROOT, fixed_network, pack, weights_under_test
 from gravcomp.cli import main
-from gravcomp.network import bittrue
-from gravcomp.network.compensation import compensator
-from gravcomp.network.quantise import COUNT_BITS
+from gravcomp.core.formats import COUNT_BITS
+from gravcomp.driver.host import Brakes, Event, Host, Result, Settings, State
+from gravcomp.driver.registers import read_registers
 from gravcomp.network.weights import weights_hash
-from gravcomp.system.host import Brakes, Event, Host, Result, Settings, State
-from gravcomp.system.registers import read_registers
+from gravcomp.twin import network as bittrue
+from gravcomp.twin.compensator import compensator
 from loading import image_of, other_weights
 from runner import BENCHES, BUILD, simulate
 from test_rtl_system import System

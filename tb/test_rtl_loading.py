@@ -11,7 +11,7 @@ from cocotb.task import bridge
 from cocotb.triggers import FallingEdge
 
 from axi import BusError, SimulatedBus
-from gravcomp.system.host import Brakes, Host, Result
+from gravcomp.driver.host import Brakes, Host, Result
 from loading import image_of, other_weights
 from runner import BENCHES, BUILD, simulate
 from test_rtl_system import ALL_FAULTS, KICK, System, assert_bit_true

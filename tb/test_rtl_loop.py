@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from codes import ROOT, fixed_compensation, fixed_network, pack, unpack
+from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.diagnosis.model import Model
 from gravcomp.errors import InputError
 from gravcomp.logs.csv_reader import read_measurement
@@ -28,12 +29,11 @@ from gravcomp.loop.loop import (
     generated_folder,
     weights_folder,
 )
-from gravcomp.network import bittrue
-from gravcomp.network.compensation import compensator
-from gravcomp.network.quantise import COUNT_BITS, FORCE_BITS
-from gravcomp.network.training import workspace_set
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.training.training import workspace_set
+from gravcomp.twin import network as bittrue
+from gravcomp.twin.compensator import compensator
 from runner import simulate
 from stream import start, stream
 

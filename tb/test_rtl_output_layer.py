@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from codes import corners_and_random, fixed_network, pack, unpack
-from gravcomp.network.bittrue import output_layer
-from gravcomp.network.quantise import OPERAND_BITS
+from gravcomp.core.formats import OPERAND_BITS
+from gravcomp.twin.network import output_layer
 from runner import simulate
 from stream import after_resets, start, stream
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from codes import corners_and_random, fixed_network, pack, unpack
-from gravcomp.network.bittrue import output_scaler
-from gravcomp.network.quantise import FORCE_BITS, OPERAND_BITS
+from gravcomp.core.formats import FORCE_BITS, OPERAND_BITS
+from gravcomp.twin.network import output_scaler
 from runner import simulate
 from stream import after_resets, latencies, start, stream
 

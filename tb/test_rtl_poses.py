@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from codes import fixed_network, unpack
-from gravcomp.network import bittrue
-from gravcomp.network.quantise import FORCE_BITS
+from gravcomp.core.formats import FORCE_BITS
+from gravcomp.twin import network as bittrue
 from runner import ROOT, verilate
 from test_rtl_gates import draw_counts, ghdl_verilog, netlist
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from encoder_scenarios import SCENARIOS, pins
-from gravcomp.encoder import DecoderConfig, quad_decoder
+from gravcomp.twin.encoder import DecoderConfig, quad_decoder
 from playback import assert_equal, play
 from runner import simulate
 

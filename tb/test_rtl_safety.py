@@ -7,9 +7,9 @@ import cocotb
 import numpy as np
 
 from codes import ROOT, fixed_network, pack, unpack
-from gravcomp.network.quantise import COUNT_BITS
-from gravcomp.synthesis.verilog import source_of
-from gravcomp.system.safety import ALWAYS, Cause, State, safety
+from gravcomp.core.formats import COUNT_BITS
+from gravcomp.twin.safety import ALWAYS, Cause, State, safety
+from gravcomp_lab.synthesis.verilog import source_of
 from playback import play
 from runner import RTL, simulate
 

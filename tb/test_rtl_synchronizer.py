@@ -6,7 +6,7 @@ import cocotb
 import numpy as np
 import pytest
 
-from gravcomp.encoder import synchronizer
+from gravcomp.twin.encoder import synchronizer
 from playback import assert_equal, play
 from runner import simulate
 

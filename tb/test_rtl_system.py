@@ -11,11 +11,11 @@ from cocotb.utils import get_sim_time
 
 from axi import BusError, Registers
 from codes import fixed_compensation, fixed_network, pack, unpack, weights_under_test
-from gravcomp.network import bittrue
-from gravcomp.network.compensation import compensator
-from gravcomp.network.image import Image
-from gravcomp.network.quantise import COUNT_BITS
+from gravcomp.core.formats import COUNT_BITS
+from gravcomp.core.image import Image
 from gravcomp.network.weights import weights_hash
+from gravcomp.twin import network as bittrue
+from gravcomp.twin.compensator import compensator
 from runner import BENCHES, simulate
 
 N_AXES = 3

@@ -1,5 +1,6 @@
-"""gravcomp: gravity compensation of a spherical parallel robot in an FPGA.
+"""gravcomp: gravity compensation of a robot in an FPGA.
 
-Read in this order: ``robot`` (physics), ``network`` (training, formats, bit-true model, ROM),
-``logs`` (measured data), ``diagnosis`` (what a model lacks), ``loop`` (that into the hardware), ``prototype``.
+Read in this order: ``robot`` (physics), ``network`` and ``training``, ``core`` (what the FPGA holds), ``twin`` (its
+bit-true models), ``logs`` (measured data), ``diagnosis`` (what a model lacks), ``loop`` (that into the hardware),
+``prototype``, ``driver``.
 """

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.network.quantise import quantise
+from gravcomp.core.formats import quantise
 from gravcomp.network.weights import load_network
-from gravcomp.proof.bounds import fixed_point_error_mn, intervals
-from gravcomp.robot.parameters import load_parameters
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.twin.bounds import fixed_point_error_mn, intervals
 
 N_POSES, SEED = 20000, 41
 

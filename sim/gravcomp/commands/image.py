@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from gravcomp.core.image import load_image
 from gravcomp.files import write_atomically
-from gravcomp.network.image import load_image
-from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
+from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, load_parameters
 
 
 def add_arguments(parser):

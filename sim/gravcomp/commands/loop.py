@@ -9,12 +9,12 @@ import hashlib
 from pathlib import Path
 
 from gravcomp.commands import diagnose as diagnose_command
+from gravcomp.core.provenance import write_provenance
 from gravcomp.diagnosis.model import Model, load_model
 from gravcomp.diagnosis.report import report
 from gravcomp.files import write_all_atomically
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.loop.loop import check_robot, close_loop, weights_folder
-from gravcomp.network.provenance import write_provenance
 
 
 def add_arguments(parser):

@@ -8,7 +8,7 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.prototype.experiment import DEFAULT_NOISE_N, MODES, measure, write_measurement
 from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED, Effect
-from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
+from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, load_parameters
 
 # Inertia is asked for by name, with a --speed that shows it.
 RANDOM = {"random": [name for name in LISTED if name != "inertia"], "random_unlisted": UNLISTED}

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from gravcomp.core.vhdl.network_package import stale_rom_files, write_rom
 from gravcomp.errors import InputError
-from gravcomp.network.rom import stale_rom_files, write_rom
-from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
+from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, load_parameters
 
 
 def add_arguments(parser):

@@ -6,12 +6,12 @@ The starts run on all cores. With --backend dask they run on the Dask cluster th
 import time
 from pathlib import Path
 
+from gravcomp.core.provenance import write_provenance
 from gravcomp.errors import InputError
-from gravcomp.network.levenberg_marquardt import ACTIVATIONS
-from gravcomp.network.provenance import write_provenance
-from gravcomp.network.training import BACKENDS, N_TEST_POSES, Effort, evaluate, train, workspace_set
 from gravcomp.network.weights import save_network
-from gravcomp.robot.parameters import NOMINAL_TOML, load_parameters
+from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, load_parameters
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS
+from gravcomp.training.training import BACKENDS, N_TEST_POSES, Effort, evaluate, train, workspace_set
 
 
 def add_arguments(parser):

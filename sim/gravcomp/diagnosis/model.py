@@ -13,7 +13,7 @@ from gravcomp.diagnosis.effects import NAMES, effect_named
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
-from gravcomp.robot.parameters import NOMINAL_TOML, RobotParameters, load_parameters, parameters_from_table
+from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, RobotParameters, load_parameters, parameters_from_table
 
 
 @dataclass

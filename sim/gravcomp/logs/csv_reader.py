@@ -13,9 +13,9 @@ import pandas as pd
 from gravcomp.errors import InputError
 from gravcomp.logs.force_surface import fit_force_function
 from gravcomp.logs.measurement import Measurement, velocity_from_position
-from gravcomp.robot.kinematics import PoseError
-from gravcomp.robot.parameters import RobotParameters
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.kinematics import PoseError
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
 
 MIN_SAMPLES = 30
 _LARGEST = 1e15  # of any measured value: sums of squares stay far from overflow, and a time in ns is noticed

@@ -9,17 +9,17 @@ from pathlib import Path
 
 import numpy as np
 
+from gravcomp.core.compensation import Compensation, load_compensation, no_compensation, save_compensation
+from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.report import errors
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.placement import DEFAULT_CLOCK_HZ, Placement, into_hardware
-from gravcomp.network.compensation import period_of
-from gravcomp.network.compensation_csv import Compensation, load_compensation, no_compensation, save_compensation
-from gravcomp.network.rom import write_rom
 from gravcomp.network.weights import Network, load_network, save_network
-from gravcomp.robot.parameters import RobotParameters
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.twin.compensator import period_of
 
 RUNS = ("before", "after")
 SAMPLES = "samples.npz"

@@ -9,17 +9,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gravcomp.diagnosis.effects import effect_named
-from gravcomp.diagnosis.model import Model
-from gravcomp.errors import InputError
-from gravcomp.logs.measurement import Measurement
-from gravcomp.loop.retraining import N_POSES, augmented_set, retrained
-from gravcomp.network.compensation_csv import (
+from gravcomp.core.compensation import (
     FRICTION,
     Compensation,
     check_compensation,
     no_compensation,
 )
+from gravcomp.diagnosis.effects import effect_named
+from gravcomp.diagnosis.model import Model
+from gravcomp.errors import InputError
+from gravcomp.logs.measurement import Measurement
+from gravcomp.loop.retraining import N_POSES, augmented_set, retrained
 from gravcomp.network.weights import Network
 
 DEFAULT_CLOCK_HZ = 100e6

@@ -8,12 +8,12 @@ from tqdm import tqdm
 
 from gravcomp.diagnosis.model import Model
 from gravcomp.logs.measurement import Measurement
-from gravcomp.network.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
-from gravcomp.network.scaling import Scaling
-from gravcomp.network.training import RIDGE, TrainingSet, one_blas_thread, snapped, workspace_set
 from gravcomp.network.weights import Network
-from gravcomp.robot.parameters import RobotParameters
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
+from gravcomp.training.scaling import Scaling
+from gravcomp.training.training import RIDGE, TrainingSet, one_blas_thread, snapped, workspace_set
 
 N_POSES = 2500
 _ROUNDS, _ROUND = 10, Stop(steps=50)

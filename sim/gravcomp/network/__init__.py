@@ -1,1 +1,1 @@
-"""The network: Gamma, training, weights as CSV, formats, the bit-true model and the ROM writer."""
+"""The network: Gamma, and the folder of weights as CSV."""

@@ -19,13 +19,13 @@ from tqdm import tqdm
 
 from gravcomp.errors import InputError
 from gravcomp.files import write_all_atomically
+from gravcomp.prototype.body import TIME_STEP_S
 from gravcomp.prototype.imperfections import Effect
 from gravcomp.prototype.plant import Plant
-from gravcomp.robot.kinematics import inverse_kinematics, jacobian, passive_jacobian
-from gravcomp.robot.parameters import RobotParameters
-from gravcomp.robot.prototype import TIME_STEP_S
-from gravcomp.robot.statics import holding_forces_at
-from gravcomp.robot.workspace import pose, sample_workspace
+from gravcomp.robot.spheiro.kinematics import inverse_kinematics, jacobian, passive_jacobian
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.spheiro.workspace import pose, sample_workspace
 
 MODES = ("static", "motion", "both")
 DEFAULT_NOISE_N = 0.1

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gravcomp.errors import InputError
-from gravcomp.robot.prototype import TIME_STEP_S, Prototype
+from gravcomp.prototype.body import TIME_STEP_S, Prototype
 
 N_AXES = 3
 

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from gravcomp.errors import InputError
+from gravcomp.prototype.body import SERVO_KD_NS_PER_M, SERVO_KI_N_PER_MS, SERVO_KP_N_PER_M, TIME_STEP_S, Prototype
 from gravcomp.prototype.imperfections import Effect, State
-from gravcomp.robot.kinematics import direct_kinematics
-from gravcomp.robot.parameters import RobotParameters
-from gravcomp.robot.prototype import SERVO_KD_NS_PER_M, SERVO_KI_N_PER_MS, SERVO_KP_N_PER_M, TIME_STEP_S, Prototype
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.kinematics import direct_kinematics
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
 
 # Acting on the error, the sum of all errors, and the error's rate behind a first-order filter of 5 ms.
 _PID_GAINS = np.array([SERVO_KP_N_PER_M, SERVO_KI_N_PER_MS * TIME_STEP_S, SERVO_KD_NS_PER_M])

@@ -1,1 +1,1 @@
-"""The robot: parameters, kinematics, statics, workspace, and the MuJoCo prototype."""
+"""Robots: what is to be held, from positions to efforts."""

@@ -12,10 +12,10 @@ import numpy as np
 from gravcomp.diagnosis.effects import effect_named
 from gravcomp.logs.force_surface import fit_force_function
 from gravcomp.logs.measurement import Measurement
-from gravcomp.robot.kinematics import inverse_kinematics
-from gravcomp.robot.parameters import RobotParameters, load_parameters
-from gravcomp.robot.statics import holding_forces_at
-from gravcomp.robot.workspace import pose, sample_workspace
+from gravcomp.robot.spheiro.kinematics import inverse_kinematics
+from gravcomp.robot.spheiro.parameters import RobotParameters, load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.spheiro.workspace import pose, sample_workspace
 
 CASES = ("listed", "clean", "unlisted", "pair")
 # Two of these together are one of them with other parameters.

@@ -15,8 +15,8 @@ from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
 from gravcomp.prototype.experiment import DEFAULT_NOISE_N, MODES, measure, write_measurement
 from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED, Effect
-from gravcomp.robot.parameters import load_parameters
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT
 
 DRAWN = [name for name in LISTED if name != "inertia"]  # slow motion hides it

@@ -13,7 +13,7 @@ from gravcomp.logs.measurement import Measurement
 from gravcomp.prototype.experiment import DEFAULT_NOISE_N, Log, clear_sides, hold_poses, log_csv, measure
 from gravcomp.prototype.imperfections import field_effects
 from gravcomp.prototype.plant import Plant
-from gravcomp.robot.parameters import RobotParameters
+from gravcomp.robot.spheiro.parameters import RobotParameters
 
 APPROACHES = ("random", "outward")
 

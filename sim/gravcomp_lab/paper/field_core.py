@@ -4,16 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gravcomp.core.compensation import Compensation
+from gravcomp.core.compensator_tables import FixedCompensation, quantise_compensation
+from gravcomp.core.formats import FixedNetwork, quantise
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.diagnosis.model import Model
 from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.placement import into_hardware
-from gravcomp.network import bittrue
-from gravcomp.network.compensation import FixedCompensation, compensator, period_of, quantise_compensation
-from gravcomp.network.compensation_csv import Compensation
-from gravcomp.network.quantise import FixedNetwork, quantise
 from gravcomp.network.weights import Network
-from gravcomp.robot.parameters import RobotParameters
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.twin import network as bittrue
+from gravcomp.twin.compensator import compensator, period_of
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gravcomp.network.activation import gamma
-from gravcomp.network.levenberg_marquardt import ACTIVATIONS, Point, Problem
-from gravcomp.network.training import one_blas_thread
 from gravcomp.network.weights import Network
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Point, Problem
+from gravcomp.training.training import one_blas_thread
 
 WAYS = ("output layer", "all weights")
 RIDGES = tuple(10.0**k for k in range(-4, 5))

@@ -12,14 +12,14 @@ from tqdm import tqdm
 from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
 from gravcomp.diagnosis.model import Model
 from gravcomp.logs.measurement import Measurement
-from gravcomp.network.training import one_blas_thread
 from gravcomp.network.weights import Network
-from gravcomp.proof.statistics import ForceError, force_error
-from gravcomp.robot.parameters import RobotParameters
-from gravcomp.robot.workspace import sample_workspace
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.workspace import sample_workspace
+from gravcomp.training.training import one_blas_thread
 from gravcomp_lab.paper.field import APPROACHES, hold_field, move_field, true_forces
 from gravcomp_lab.paper.field_core import FieldCore, build_core
 from gravcomp_lab.paper.fine_tuning import WAYS, Tuned, tune_by_validation
+from gravcomp_lab.simulated.statistics import ForceError, force_error
 
 TORSIONS_DEG = (0, 15)
 FIELD, SIMULATION, ANALYTIC = "network, trained on the field", "network, trained in simulation", "analytic model"

@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
-from gravcomp.robot.parameters import RobotParameters
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.statics import holding_forces_at
 
 
 class BaseTilt(Effect):

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from gravcomp.core.compensation import MAX_HARMONIC, no_compensation
 from gravcomp.diagnosis.candidate import Parameter, on_axis
 from gravcomp.diagnosis.effects.base import Effect
 from gravcomp.diagnosis.periodogram import find_lines, pitch_of
 from gravcomp.errors import InputError
-from gravcomp.network.compensation_csv import MAX_HARMONIC, no_compensation
 
 
 class Cogging(Effect):

@@ -4,7 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_velocity
-from gravcomp.robot.kinematics import direct_kinematics, passive_jacobian
+from gravcomp.robot.spheiro.kinematics import direct_kinematics, passive_jacobian
 
 _ROUNDING = 1e-9  # of the speed that the axes could give a joint: less is rest
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
-from gravcomp.robot.statics import holding_forces_at
+from gravcomp.robot.spheiro.statics import holding_forces_at
 
 
 class Payload(Effect):

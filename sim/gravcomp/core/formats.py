@@ -1,0 +1,306 @@
+"""From a float network to the integers of the hardware: formats derived from bounds, constants, folded biases.
+
+Every operand of a multiplier has 18 bits (one 18 x 18 block each); products and sums keep full precision. Bits are
+dropped by truncation only, and the half LSB that truncation costs on average is folded into the bias downstream:
+rounding is free in hardware. The offsets of both normalisations are folded in the same way, so an inference needs
+166 multiplications and 43 sums at hidden size 20.
+
+Signals, in order (code = value * 2**fraction, truncated):
+
+    count -> clamp to the trained range -> count code (>> count_shift) -> x -> a = W x + b -> Gamma(a) = h
+          -> acc = V h + b -> y -> force in mN
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gravcomp.errors import InputError
+from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, Network
+from gravcomp.robot.spheiro.parameters import RobotParameters
+
+OPERAND_BITS = 18
+COUNT_BITS = 32
+FORCE_BITS = 24  # mN: +-8388 N
+CURRENT_BITS = 32  # uA
+ACCUMULATOR_BITS = 48  # the widest sum that any vendor's DSP column adds in one go
+
+PREACTIVATION_FRACTION = 16  # a in [-L, L) = [-2, 2)
+SLOPE_FRACTION = 17  # beta - theta |a| in [1/2, 1)
+HIDDEN_FRACTION = 17  # h = Gamma(a) in [-1, 1)
+
+# The core clamps |x| to 1 - 2^-16: the trained range less two codes, so that x and its scale never overflow.
+INPUT_LIMIT = 1.0 - 2.0**-16
+# Head room of y over the trained range [-1, 1] before the output saturates.
+OUTPUT_HEADROOM = 1.0625
+
+_OPERAND_MAX = 2 ** (OPERAND_BITS - 1) - 1
+_SCALE_CODE_MIN = 1024  # a scale is then exact to 0.05 %
+_FRACTION_MAX = 24  # finer weights than this would only widen the sums
+_SCALE_FRACTION_MAX = 31  # half of it must fit a VHDL integer; products of 36 bits would vanish with more
+
+
+@dataclass(frozen=True)
+class FixedNetwork:
+    """The integers and formats of one network in hardware. n inputs and outputs, h hidden neurons.
+
+    count_low, count_high (n,): clamp, encoder counts. count_shift: bits of the count dropped before scaling.
+    input_scale (n,), input_scale_fraction: x = count_code * input_scale >> input_scale_fraction, x_fraction bits.
+    x_low, x_high (n,): lowest and highest code of x over all encoder counts.
+    hidden_weights (h, n) with weight_fraction; hidden_bias (h,) with x_fraction + weight_fraction.
+    output_weights (n, h) with output_weight_fraction; output_bias (n,) with that + HIDDEN_FRACTION.
+    output_scale (n,), output_scale_fraction: force in mN = y * output_scale >> output_scale_fraction, y_fraction bits.
+    current_scale, current_scale_fraction: current in uA = force in mN * current_scale >> current_scale_fraction.
+    hidden_sum_bits, output_sum_bits: widths in which no partial sum can overflow for any count (see bounds).
+    """
+
+    count_low: np.ndarray
+    count_high: np.ndarray
+    count_shift: int
+    input_scale: np.ndarray
+    input_scale_fraction: int
+    x_fraction: int
+    x_low: np.ndarray
+    x_high: np.ndarray
+    hidden_weights: np.ndarray
+    weight_fraction: int
+    hidden_bias: np.ndarray
+    hidden_sum_bits: int
+    output_weights: np.ndarray
+    output_weight_fraction: int
+    output_bias: np.ndarray
+    output_sum_bits: int
+    y_fraction: int
+    output_scale: np.ndarray
+    output_scale_fraction: int
+    current_scale: int
+    current_scale_fraction: int
+
+    @property
+    def n_hidden(self) -> int:
+        return len(self.hidden_bias)
+
+    @property
+    def n_axes(self) -> int:
+        return len(self.output_bias)
+
+    @property
+    def preactivation_drop(self) -> int:
+        """Bits that truncation drops from the hidden sum to the pre-activation a."""
+        return self.x_fraction + self.weight_fraction - PREACTIVATION_FRACTION
+
+    @property
+    def output_drop(self) -> int:
+        """Bits that truncation drops from the output sum to y."""
+        return HIDDEN_FRACTION + self.output_weight_fraction - self.y_fraction
+
+
+# Values that overflow a float become inf here, and no format holds inf.
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")
+def quantise(
+    network: Network, p: RobotParameters, folder: Path | str = "weights", formats: FixedNetwork | None = None
+) -> FixedNetwork:
+    """Derive formats and constants of the hardware from a float network.
+
+    folder: where the network came from, for messages. formats: the network of a core that is built, whose size, widths,
+    fractions and shifts are kept. Raises InputError naming file, row and column when a format cannot hold a value.
+    """
+    folder, kept = Path(folder), vars(formats) if formats else {}
+    if formats and (network.n_axes, network.n_hidden) != (formats.n_axes, formats.n_hidden):
+        raise InputError(
+            f"{folder}: {network.n_axes} axes and {network.n_hidden} neurons, but the core has {formats.n_axes} and "
+            f"{formats.n_hidden}; give a network of its size"
+        )
+    inputs = _input_stage(network, p, folder / SCALING_CSV, kept)
+    hidden = _hidden_stage(network, p, inputs, folder / HIDDEN_CSV, kept)
+    outputs = _output_stage(network, folder, kept)
+    drive, per_n = "robot parameters: [drive] thrust_constant_n_per_a", np.array([1000.0 / p.thrust_constant_n_per_a])
+    current_scale, current_scale_fraction = _scale(per_n, drive, kept.get("current_scale_fraction"))
+    if FORCE_BITS + OPERAND_BITS - 1 - current_scale_fraction > CURRENT_BITS:
+        raise InputError(f"{drive} = {p.thrust_constant_n_per_a:g}: currents exceed {CURRENT_BITS} bits of uA")
+    return FixedNetwork(
+        **inputs,
+        **hidden,
+        **outputs,
+        current_scale=int(current_scale[0]),
+        current_scale_fraction=current_scale_fraction,
+    )
+
+
+def partial_sum_interval(weights: np.ndarray, bias: np.ndarray, low, high) -> tuple[int, int]:
+    """Interval of every partial sum of bias + weights @ signal, in any order of addition, signal in [low, high].
+
+    weights (m, k), bias (m,), low and high scalars or (k,): integers. Returns (lowest, highest).
+    """
+    extremes = np.stack([weights * low, weights * high])
+    lowest = np.minimum(extremes.min(axis=0), 0).sum(axis=1) + np.minimum(bias, 0)
+    highest = np.maximum(extremes.max(axis=0), 0).sum(axis=1) + np.maximum(bias, 0)
+    return int(lowest.min()), int(highest.max())
+
+
+def bits_for(low: int, high: int) -> int:
+    """Width of the signed number that holds both ends of an interval."""
+    return 1 + max((-low - 1).bit_length() if low < 0 else 0, high.bit_length() if high > 0 else 0)
+
+
+def _input_stage(network: Network, p: RobotParameters, path: Path, kept: Mapping) -> dict:
+    centre = network.q_offset_m / p.encoder_m_per_count
+    reach = INPUT_LIMIT / network.q_scale_per_m / p.encoder_m_per_count
+    low, high = np.ceil(centre - reach), np.floor(centre + reach)
+    for row in range(network.n_axes):
+        if not -(2 ** (COUNT_BITS - 1)) < low[row] <= high[row] < 2 ** (COUNT_BITS - 1):
+            raise InputError(
+                f"{path}: row {row + 1}, column q_scale_per_m: the trained range is {low[row]:.0f} to {high[row]:.0f} "
+                f"encoder counts; it must hold a count and fit {COUNT_BITS} bits"
+            )
+    count_low, count_high = low.astype(np.int64), high.astype(np.int64)
+    count_shift = _count_shift(count_low, count_high, path, kept.get("count_shift"))
+    x_offset = network.q_offset_m * network.q_scale_per_m
+    x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset_m"], kept.get("x_fraction"))
+    per_code = 2.0**count_shift * p.encoder_m_per_count * network.q_scale_per_m * 2.0**x_fraction
+    where = f"{path}: row {{row}}, column q_scale_per_m"
+    input_scale, input_scale_fraction = _scale(per_code, where, kept.get("input_scale_fraction"))
+    return {
+        "count_low": count_low,
+        "count_high": count_high,
+        "count_shift": count_shift,
+        "input_scale": input_scale,
+        "input_scale_fraction": input_scale_fraction,
+        "x_fraction": x_fraction,
+        # Clamp and scale are monotonic: the ends of the trained range give the ends of x.
+        "x_low": (count_low >> count_shift) * input_scale >> input_scale_fraction,
+        "x_high": (count_high >> count_shift) * input_scale >> input_scale_fraction,
+    }
+
+
+def _hidden_stage(network: Network, p: RobotParameters, inputs: Mapping, path: Path, kept: Mapping) -> dict:
+    columns = [f"w_q{i}" for i in range(1, network.n_axes + 1)]
+    weight_fraction = _fraction_for(network.hidden_weights, path, columns, kept.get("weight_fraction"))
+    weights = _codes(network.hidden_weights, weight_fraction)
+    # What the code of x lacks on average: half its LSB, the dropped bits of the count, the offset of the scaling.
+    dropped_count = (2.0 ** inputs["count_shift"] - 1) / 2
+    x_lacks = (
+        2.0 ** -(inputs["x_fraction"] + 1)
+        + (dropped_count * p.encoder_m_per_count - network.q_offset_m) * network.q_scale_per_m
+    )
+    bias = network.hidden_bias + weights * 2.0**-weight_fraction @ x_lacks + 2.0 ** -(PREACTIVATION_FRACTION + 1)
+    sum_fraction = inputs["x_fraction"] + weight_fraction
+    if sum_fraction < PREACTIVATION_FRACTION:
+        raise InputError(f"{path}: weights too large for the range of x in scaling.csv; retrain with smaller ones")
+    bias_codes = _bias_codes(bias, sum_fraction, path)
+    interval = partial_sum_interval(weights, bias_codes, inputs["x_low"], inputs["x_high"])
+    return {
+        "hidden_weights": weights,
+        "weight_fraction": weight_fraction,
+        "hidden_bias": bias_codes,
+        "hidden_sum_bits": _sum_bits(
+            interval, sum_fraction - PREACTIVATION_FRACTION, path, kept.get("hidden_sum_bits")
+        ),
+    }
+
+
+def _output_stage(network: Network, folder: Path, kept: Mapping) -> dict:
+    path, scaling = folder / OUTPUT_CSV, folder / SCALING_CSV
+    columns = [f"v_{j}" for j in range(1, network.n_hidden + 1)]
+    weight_fraction = _fraction_for(network.output_weights, path, columns, kept.get("output_weight_fraction"))
+    weights = _codes(network.output_weights, weight_fraction)
+    f_ratio = network.f_offset_n / network.f_scale_n
+    y_largest = (np.abs(f_ratio)[:, None] + 1.0) * OUTPUT_HEADROOM
+    y_fraction = _fraction_for(y_largest, scaling, ["f_offset_n / f_scale_n"], kept.get("y_fraction"))
+    where = f"{scaling}: row {{row}}, column f_scale_n"
+    output_scale, scale_fraction = _scale(
+        1000.0 * network.f_scale_n * 2.0**-y_fraction, where, kept.get("output_scale_fraction")
+    )
+    if 2 * OPERAND_BITS - 1 - scale_fraction > FORCE_BITS:
+        row = 1 + int(np.argmax(network.f_scale_n))
+        raise InputError(f"{where.format(row=row)}: forces exceed {FORCE_BITS} bits of mN; give a smaller scale")
+    # The halves of what truncation drops from h, from y, and from the force in mN.
+    lacks = (
+        weights.sum(axis=1) * 2.0 ** -(weight_fraction + HIDDEN_FRACTION + 1)
+        + 2.0 ** -(y_fraction + 1)
+        + 0.5e-3 / network.f_scale_n
+    )
+    if HIDDEN_FRACTION + weight_fraction < y_fraction:
+        raise InputError(f"{path}: weights too large for the range of y in {SCALING_CSV}; retrain with smaller ones")
+    bias_codes = _bias_codes(network.output_bias + f_ratio + lacks, HIDDEN_FRACTION + weight_fraction, path)
+    interval = partial_sum_interval(weights, bias_codes, -(2**HIDDEN_FRACTION), 2**HIDDEN_FRACTION - 1)
+    return {
+        "output_weights": weights,
+        "output_weight_fraction": weight_fraction,
+        "output_bias": bias_codes,
+        "output_sum_bits": _sum_bits(
+            interval, HIDDEN_FRACTION + weight_fraction - y_fraction, path, kept.get("output_sum_bits")
+        ),
+        "y_fraction": y_fraction,
+        "output_scale": output_scale,
+        "output_scale_fraction": scale_fraction,
+    }
+
+
+def _count_shift(low: np.ndarray, high: np.ndarray, path: Path, kept: int | None) -> int:
+    """Bits of the count to drop so that the limits of every axis fit an operand, or those that the core drops."""
+    least = max(0, bits_for(int(low.min()), int(high.max())) - OPERAND_BITS)
+    if kept is not None and least > kept:
+        raise InputError(
+            f"{path}: column q_scale_per_m: the trained range is wider than the {OPERAND_BITS + kept} bits of counts "
+            "that the core takes; give larger scales"
+        )
+    return least if kept is None else kept
+
+
+def _fraction_for(values: np.ndarray, path: Path, columns: list[str], kept: int | None = None) -> int:
+    """Most fraction bits with which an 18-bit operand holds every value of a table (rows, columns), or kept ones."""
+    row, column = np.unravel_index(np.argmax(np.abs(values)), values.shape)
+    largest = abs(float(values[row, column]))
+    fraction = -1 if math.isinf(largest) else _FRACTION_MAX
+    if 0 < largest < math.inf:
+        fraction = OPERAND_BITS - 1 - math.ceil(math.log2(largest))
+    if fraction >= 0 and round(largest * 2.0**fraction) > _OPERAND_MAX:
+        fraction -= 1
+    least = kept or 0
+    if fraction < least:
+        raise InputError(
+            f"{path}: row {row + 1}, column {columns[column]}: {values[row, column]:g} does not fit "
+            f"{OPERAND_BITS} bits (limit {_OPERAND_MAX / 2**least:.6g}); give smaller values"
+        )
+    return min(fraction, _FRACTION_MAX) if kept is None else kept
+
+
+def _codes(values: np.ndarray, fraction: int) -> np.ndarray:
+    return np.rint(values * 2.0**fraction).astype(np.int64)
+
+
+def _bias_codes(bias: np.ndarray, fraction: int, path: Path) -> np.ndarray:
+    row = int(np.argmax(np.abs(bias)))
+    if abs(bias[row]) * 2.0**fraction >= 2 ** (ACCUMULATOR_BITS - 1):
+        raise InputError(
+            f"{path}: row {row + 1}, column bias: {bias[row]:g} does not fit the sum's {ACCUMULATOR_BITS} bits; "
+            "give a smaller bias"
+        )
+    return _codes(bias, fraction)
+
+
+def _sum_bits(interval: tuple[int, int], drop: int, path: Path, kept: int | None) -> int:
+    """Width of a sum from which drop bits are dropped next, at least one operand wide after that, or a kept width."""
+    bits, limit = max(bits_for(*interval), drop + OPERAND_BITS), kept or ACCUMULATOR_BITS
+    if bits > limit:
+        raise InputError(f"{path}: its sums need {bits} bits, more than {limit}; give smaller weights")
+    return kept or bits
+
+
+def _scale(factors: np.ndarray, where: str, kept: int | None) -> tuple[np.ndarray, int]:
+    """Positive factors as 18-bit codes with one common fraction; where names a factor, with {row} for its number."""
+    largest = float(factors.max())
+    fraction = math.floor(math.log2(_OPERAND_MAX) - math.log2(largest)) if 0 < largest < math.inf else -1
+    if not (kept or 0) <= fraction <= _SCALE_FRACTION_MAX:
+        row = int(np.argmax(factors))
+        raise InputError(f"{where.format(row=row + 1)} is too large or small for {OPERAND_BITS} bits; check its unit")
+    fraction = fraction if kept is None else kept
+    codes = _codes(factors, fraction)
+    if codes.min() < _SCALE_CODE_MIN:
+        row = int(np.argmin(factors))
+        raise InputError(f"{where.format(row=row + 1)} is too small for the format of the largest; give similar scales")
+    return codes, fraction

@@ -1,0 +1,253 @@
+"""Writes the VHDL packages of one network: sizes, formats, constants, the words of the weight ROMs, the CSV's hash."""
+
+from pathlib import Path
+
+import numpy as np
+
+from gravcomp.core import formats as q
+from gravcomp.core.formats import FixedNetwork, quantise
+from gravcomp.core.vhdl.compensation_package import COMPENSATION_PACKAGE_FILE, compensation_package_text
+from gravcomp.files import write_all_atomically
+from gravcomp.network.weights import load_network, weights_hash
+from gravcomp.robot.spheiro.parameters import RobotParameters
+
+PACKAGE_FILE = "gc_network_pkg.vhd"
+
+
+def rom_files(folder: Path | str, p: RobotParameters) -> dict[str, str]:
+    """The generated packages of a weights folder, text by file name.
+
+    Raises InputError when the weights or the constants of the compensator cannot be read or held.
+    """
+    fixed = quantise(load_network(folder), p, folder)
+    return {
+        PACKAGE_FILE: package_text(fixed, weights_hash(folder), Path(folder).name),
+        COMPENSATION_PACKAGE_FILE: compensation_package_text(folder, fixed.n_axes, p),
+    }
+
+
+def write_rom(folder: Path | str, p: RobotParameters, generated: Path | str) -> None:
+    """Write the packages of a weights folder to generated/. Raises InputError; the old packages are then untouched."""
+    write_all_atomically({Path(generated) / name: text for name, text in rom_files(folder, p).items()})
+
+
+def stale_rom_files(folder: Path | str, p: RobotParameters, generated: Path | str) -> list[Path]:
+    """The packages in generated/ that are not those of the weights folder. Raises InputError as rom_files does."""
+    paths = {Path(generated) / name: text for name, text in rom_files(folder, p).items()}
+    return [path for path, text in paths.items() if not _holds(path, text)]
+
+
+def _holds(path: Path, text: str) -> bool:
+    try:
+        return path.read_bytes() == text.encode("utf-8")
+    except OSError:
+        return False
+
+
+def package_text(fixed: FixedNetwork, sha256: str, name: str) -> str:
+    """VHDL text of gc_network_pkg for one network; sha256 and name of its weights folder go into it."""
+    hidden_word_bits = fixed.hidden_sum_bits + fixed.n_axes * q.OPERAND_BITS
+    output_word_bits = fixed.n_axes * q.OPERAND_BITS
+    return _TEMPLATE.format(
+        name=name,
+        sha256=sha256,
+        n_axes=fixed.n_axes,
+        n_hidden=fixed.n_hidden,
+        count_bits=q.COUNT_BITS,
+        force_bits=q.FORCE_BITS,
+        current_bits=q.CURRENT_BITS,
+        count_low=_integers(fixed.count_low),
+        count_high=_integers(fixed.count_high),
+        input_scale_bits=fixed.n_axes * q.OPERAND_BITS - 1,
+        input_scale=_packed(fixed.input_scale, q.OPERAND_BITS),
+        x_low=_packed(fixed.x_low, q.OPERAND_BITS),
+        x_high=_packed(fixed.x_high, q.OPERAND_BITS),
+        output_scale=_packed(fixed.output_scale, q.OPERAND_BITS),
+        output_bias_bits=fixed.n_axes * fixed.output_sum_bits - 1,
+        output_bias=_packed(fixed.output_bias, fixed.output_sum_bits),
+        hidden_word_bits=hidden_word_bits,
+        output_word_bits=output_word_bits,
+        hidden_words=_words(
+            [
+                [(bias, fixed.hidden_sum_bits), *((w, q.OPERAND_BITS) for w in row[::-1])]
+                for row, bias in zip(fixed.hidden_weights, fixed.hidden_bias, strict=True)
+            ]
+        ),
+        output_words=_words([[(v, q.OPERAND_BITS) for v in column[::-1]] for column in fixed.output_weights.T]),
+        preactivation_fraction=q.PREACTIVATION_FRACTION,
+        slope_fraction=q.SLOPE_FRACTION,
+        hidden_fraction=q.HIDDEN_FRACTION,
+        **{
+            key: getattr(fixed, key)
+            for key in (
+                "count_shift",
+                "input_scale_fraction",
+                "x_fraction",
+                "weight_fraction",
+                "hidden_sum_bits",
+                "preactivation_drop",
+                "output_weight_fraction",
+                "output_sum_bits",
+                "y_fraction",
+                "output_drop",
+                "output_scale_fraction",
+                "current_scale",
+                "current_scale_fraction",
+            )
+        },
+    )
+
+
+def _bits(value: int, width: int) -> str:
+    return f"{int(value) & (2**width - 1):0{width}b}"
+
+
+def _integers(values: np.ndarray) -> str:
+    return ", ".join(f"{i} => {value}" for i, value in enumerate(values))
+
+
+def _packed(values: np.ndarray, width: int) -> str:
+    """One bit-string literal, first value lowest."""
+    return 'b"' + "_".join(_bits(value, width) for value in values[::-1]) + '"'
+
+
+def _words(rows: list[list[tuple[int, int]]]) -> str:
+    lines = []
+    for number, row in enumerate(rows):
+        literal = "_".join(_bits(value, width) for value, width in row)
+        comma = "," if number < len(rows) - 1 else " "
+        lines.append(f'    {number:2d} => b"{literal}"{comma} -- {" ".join(str(int(value)) for value, _ in row)}')
+    return "\n".join(lines)
+
+
+_TEMPLATE = """\
+-- SPDX-License-Identifier: MIT
+--
+-- Generated from weights/{name} by `make rom`; do not edit.
+--
+-- Codes are integers of value * 2**fraction. The biases hold the offsets of both normalisations and the half LSB of
+-- every truncation.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+package gc_network_pkg is
+
+  -- SHA-256 of hidden.csv, output.csv and scaling.csv, one after the other.
+  constant weights_hash_c : std_ulogic_vector(255 downto 0) :=
+    x"{sha256}";
+
+  -- Sizes.
+  constant inputs_c  : positive := {n_axes};
+  constant hidden_c  : positive := {n_hidden};
+  constant outputs_c : positive := {n_axes};
+
+  -- Widths of the ports.
+  constant count_bits_c   : positive := {count_bits};
+  constant force_bits_c   : positive := {force_bits};
+  constant current_bits_c : positive := {current_bits};
+
+  type counts_t is array (0 to inputs_c - 1) of integer;
+
+  -- Input: clamp to the trained range (encoder counts), drop bits, scale to x.
+  constant count_low_c            : counts_t := ({count_low});
+  constant count_high_c           : counts_t := ({count_high});
+  constant count_shift_c          : natural  := {count_shift};
+  constant input_scale_c          : signed({input_scale_bits} downto 0) :=
+    {input_scale};
+  constant input_scale_fraction_c : natural  := {input_scale_fraction};
+  constant x_fraction_c           : natural  := {x_fraction};
+
+  -- x of the limits of the trained range.
+  constant x_low_c  : signed({input_scale_bits} downto 0) :=
+    {x_low};
+  constant x_high_c : signed({input_scale_bits} downto 0) :=
+    {x_high};
+
+  -- Hidden layer.
+  constant weight_fraction_c        : natural  := {weight_fraction};
+  constant hidden_sum_bits_c        : positive := {hidden_sum_bits};
+  constant preactivation_fraction_c : natural  := {preactivation_fraction};
+  constant preactivation_drop_c     : natural  := {preactivation_drop};
+  constant slope_fraction_c         : natural  := {slope_fraction};
+  constant hidden_fraction_c        : natural  := {hidden_fraction};
+
+  -- Output layer.
+  constant output_weight_fraction_c : natural  := {output_weight_fraction};
+  constant output_sum_bits_c        : positive := {output_sum_bits};
+  constant y_fraction_c             : natural  := {y_fraction};
+  constant output_drop_c            : natural  := {output_drop};
+  constant output_bias_c            : signed({output_bias_bits} downto 0) :=
+    {output_bias};
+
+  -- Output: scale y to mN, and mN to uA by 1/K_t.
+  constant output_scale_c           : signed({input_scale_bits} downto 0) :=
+    {output_scale};
+  constant output_scale_fraction_c  : natural  := {output_scale_fraction};
+  constant current_scale_c          : positive := {current_scale};
+  constant current_scale_fraction_c : positive := {current_scale_fraction};
+
+  -- Words of the weight ROMs, one per neuron.
+  constant hidden_word_bits_c : positive := {hidden_word_bits};
+  constant output_word_bits_c : positive := {output_word_bits};
+
+  subtype hidden_word_t is std_ulogic_vector(hidden_word_bits_c - 1 downto 0);
+
+  subtype output_word_t is std_ulogic_vector(output_word_bits_c - 1 downto 0);
+
+  type hidden_words_t is array (0 to hidden_c - 1) of hidden_word_t;
+
+  type output_words_t is array (0 to hidden_c - 1) of output_word_t;
+
+  -- bias, weights of the inputs from last to first
+  constant hidden_words_c : hidden_words_t := (
+{hidden_words}
+  );
+
+  -- weights of the outputs from last to first
+  constant output_words_c : output_words_t := (
+{output_words}
+  );
+
+  -- The tables as one vector, word 0 lowest.
+  function flat (words : hidden_words_t) return std_ulogic_vector;
+
+  function flat (words : output_words_t) return std_ulogic_vector;
+
+  -- Counts as one vector, axis 1 lowest.
+  function flat (counts : counts_t) return signed;
+
+end package gc_network_pkg;
+
+package body gc_network_pkg is
+
+  function flat (words : hidden_words_t) return std_ulogic_vector is
+    variable flat_v : std_ulogic_vector(hidden_c * hidden_word_bits_c - 1 downto 0);
+  begin
+    for i in words'range loop
+      flat_v((i + 1) * hidden_word_bits_c - 1 downto i * hidden_word_bits_c) := words(i);
+    end loop;
+    return flat_v;
+  end function flat;
+
+  function flat (words : output_words_t) return std_ulogic_vector is
+    variable flat_v : std_ulogic_vector(hidden_c * output_word_bits_c - 1 downto 0);
+  begin
+    for i in words'range loop
+      flat_v((i + 1) * output_word_bits_c - 1 downto i * output_word_bits_c) := words(i);
+    end loop;
+    return flat_v;
+  end function flat;
+
+  function flat (counts : counts_t) return signed is
+    variable flat_v : signed(inputs_c * count_bits_c - 1 downto 0);
+  begin
+    for i in counts'range loop
+      flat_v((i + 1) * count_bits_c - 1 downto i * count_bits_c) := to_signed(counts(i), count_bits_c);
+    end loop;
+    return flat_v;
+  end function flat;
+
+end package body gc_network_pkg;
+"""

@@ -1,0 +1,310 @@
+"""Driver of gc_system in Python: the twin of host/gravcomp.c, function by function.
+
+A bus is any object with read(offset) -> word and write(offset, word), 32-bit registers at byte offsets. An image is
+what `gravcomp image` writes.
+"""
+
+import zlib
+from dataclasses import dataclass, fields
+from enum import IntEnum, IntFlag
+from typing import Protocol
+
+from gravcomp.driver.registers import read_registers
+
+AXES = 3
+CONTROL_POLLS = 1000
+WORD_MAX = 2**32 - 1
+PERIOD_MAX = 2**31 - 1
+LOAD_KEY = 0x4B455953
+WORDS_PER_KICK = 64
+
+
+class Bus(Protocol):
+    """Access to one 32-bit register."""
+
+    def read(self, offset: int) -> int: ...
+
+    def write(self, offset: int, word: int) -> None: ...
+
+
+class Result(IntEnum):
+    """Outcome of a call. FAULT: stopped by a fault, see State.fault. REFUSED: an image of a wrong length or CRC."""
+
+    OK = 0
+    NOT_FOUND = 1
+    WRONG_VERSION = 2
+    TIMEOUT = 3
+    FAULT = 4
+    REFUSED = 5
+    NOT_LOADABLE = 6
+
+
+class Brakes(IntEnum):
+    """States of the brakes, as in the register status."""
+
+    BRAKED = 0
+    HOLDING = 3
+    RUN = 5
+    FAULTED = 6
+
+
+class Event(IntFlag):
+    """What interrupts."""
+
+    RESULT = 1
+    FAULT = 2
+    MISSED_TICK = 4
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What does not change: sizes, Hz of the core's clock, SHA-256 in eight words, trained range in counts."""
+
+    hidden: int
+    lanes: int
+    clock_hz: int
+    weights_hash: tuple[int, ...]
+    compensation_hash: tuple[int, ...]
+    trained_low: tuple[int, ...]
+    trained_high: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Limits and times; expected_weights is the first word of the hash of the weights that the host means.
+
+    margin_counts: allowed beyond the trained range. current_slew_ua: per result. brake_us: for a brake to close and for
+    the motors to take the load. The other times are the longest in saturation, from kick to kick and result to result.
+    """
+
+    expected_weights: int
+    index_position: tuple[int, ...]
+    margin_counts: int
+    speed_max_counts_per_s: int
+    current_limit_ua: int
+    current_slew_ua: int
+    tick_us: int
+    saturation_us: int
+    watchdog_us: int
+    result_us: int
+    brake_us: int
+
+
+@dataclass(frozen=True)
+class State:
+    """Everything as of one clock. Sets of axes have axis 1 in bit 0; counts, clocks per four counts, mN, uA."""
+
+    result_number: int
+    missed_ticks: int
+    brakes: int
+    released: int
+    run: int
+    busy: int
+    clamped: int
+    saturated: int
+    limited: int
+    settled: int
+    referenced: int
+    illegal: int
+    glitch: int
+    speed_valid: int
+    speed_zero: int
+    position: tuple[int, ...]
+    speed_period: tuple[int, ...]
+    force_mn: tuple[int, ...]
+    current_ua: tuple[int, ...]
+    command_ua: tuple[int, ...]
+    position_now: tuple[int, ...]
+    cause: int
+    fault: int
+    first_cause: int
+    first_position: tuple[int, ...]
+
+
+_STATUS = {"brakes": "state", "released": "released", "run": "run", "busy": "busy"}
+
+
+class Host:
+    """The driver on a bus; what its methods do and return is said in host/gravcomp.h."""
+
+    def __init__(self, bus: Bus):
+        self._bus = bus
+        self._map = read_registers()
+
+    def open(self) -> tuple[Result, Identity | None]:
+        if self._read("id") != self._map["id"].reset:
+            return Result.NOT_FOUND, None
+        if self._read("version") >> 8 != self._map["version"].reset >> 8:
+            return Result.WRONG_VERSION, None
+        geometry = self._read("geometry")
+        return Result.OK, Identity(
+            hidden=self._map["geometry"].field("hidden", geometry),
+            lanes=self._map["geometry"].field("lanes", geometry),
+            clock_hz=self._read("clock_hz"),
+            weights_hash=self._words("weights_hash"),
+            compensation_hash=self._words("compensation_hash"),
+            trained_low=self._axes("trained_low"),
+            trained_high=self._axes("trained_high"),
+        )
+
+    def configure(self, identity: Identity, settings: Settings) -> None:
+        hz, speed = identity.clock_hz, settings.speed_max_counts_per_s
+        self._write("expected_weights", settings.expected_weights)
+        self._write("tick_clocks", _clocks(hz, settings.tick_us))
+        self._write("current_limit_ua", settings.current_limit_ua)
+        self._write("current_slew_ua", settings.current_slew_ua)
+        self._write("period_min_clocks", min(4 * hz // speed, PERIOD_MAX) if speed else PERIOD_MAX)
+        for name in ("saturation", "watchdog", "result", "brake"):
+            self._write(f"{name}_clocks", _clocks(hz, getattr(settings, f"{name}_us")))
+        for axis in range(AXES):
+            self._write("index_position", settings.index_position[axis], axis)
+            self._write("window_low", identity.trained_low[axis] - settings.margin_counts, axis)
+            self._write("window_high", identity.trained_high[axis] + settings.margin_counts, axis)
+
+    def home(self, axes: int) -> Result:
+        if self._control("home_enable", 0) != Result.OK:
+            return Result.TIMEOUT
+        return self._control("home_enable", axes)
+
+    def start(self) -> None:
+        self._command("start")
+
+    def tick(self, is_on: bool) -> Result:
+        return self._control("tick_enable", int(is_on))
+
+    def wait(self, number: int, polls: int) -> Result:
+        arrived = any(self._read("result_number") != number for _ in range(polls))
+        return Result.OK if arrived else Result.TIMEOUT
+
+    def release(self, polls: int) -> Result:
+        result, brakes, cause = self.stop(), Brakes.FAULTED, 0
+        while result == Result.OK and (brakes != Brakes.BRAKED or cause):
+            if polls == 0:
+                return Result.FAULT if cause else Result.TIMEOUT
+            polls -= 1
+            brakes, cause = self._poll_brakes()
+            if brakes == Brakes.FAULTED and not cause:
+                self.clear_faults((1 << self._map["fault"].fields["clear"][1]) - 1)
+        if result == Result.OK:
+            result = self._control("enable", 1)
+        while result == Result.OK and brakes != Brakes.RUN:
+            if polls == 0:
+                return Result.TIMEOUT
+            polls -= 1
+            brakes, _ = self._poll_brakes()
+            if brakes == Brakes.FAULTED:
+                return Result.FAULT
+        return result
+
+    def stop(self) -> Result:
+        return self._control("enable", 0)
+
+    def kick(self) -> None:
+        self._command("kick")
+
+    def clear_faults(self, faults: int) -> None:
+        self._write("fault", faults)
+
+    def clear_encoders(self) -> None:
+        self._command("clear_encoder")
+
+    def read(self) -> State:
+        values = {"result_number": self._read("result_number"), "missed_ticks": self._read("missed_ticks")}
+        status, flags = self._read("status"), self._read("axis_flags")
+        for name in (field.name for field in fields(State)):
+            if name in _STATUS:
+                values[name] = self._map["status"].field(_STATUS[name], status)
+            elif name in self._map["axis_flags"].fields:
+                values[name] = self._map["axis_flags"].field(name, flags)
+            elif self._map[name].count == AXES:
+                values[name] = self._axes(name)
+            elif name not in values:
+                values[name] = self._read(name)
+        return State(**values)
+
+    def crc32(self, image: bytes) -> int:
+        return zlib.crc32(image)
+
+    def load(self, image: bytes, crc: int, polls: int) -> Result:
+        if not self._loader("loadable"):
+            return Result.NOT_LOADABLE
+        self._write("load_unlock", LOAD_KEY)
+        self._send_image(image)
+        bank = self._loader("bank")
+        self._write("load_crc", crc)
+        self._command("commit", "load_command")
+        for _ in range(polls):
+            status = self._read("load_status")
+            if self._map["load_status"].field("bank", status) != bank:
+                return Result.OK
+            if self._map["load_status"].field("bad", status):
+                return Result.REFUSED
+        return Result.TIMEOUT
+
+    def use_rom(self, polls: int) -> Result:
+        self._write("load_unlock", LOAD_KEY)
+        self._command("begin_image", "load_command")
+        self._command("use_rom", "load_command")
+        self._write("load_unlock", 0)
+        for _ in range(polls):
+            status = self._read("load_status")
+            if not any(self._map["load_status"].field(name, status) for name in ("bank", "bad")):
+                return Result.OK
+        return Result.TIMEOUT
+
+    def bank_crc(self) -> int:
+        return self._read("bank_crc")
+
+    def interrupt_on(self, events: int) -> None:
+        self._write("interrupt_enable", events)
+
+    def interrupts(self) -> int:
+        events = self._read("interrupt_status")
+        self._write("interrupt_status", events)
+        return events
+
+    def _read(self, name: str, axis: int = 0) -> int:
+        return self._bus.read(self._map[name].address + 4 * axis)
+
+    def _write(self, name: str, word: int, axis: int = 0) -> None:
+        self._bus.write(self._map[name].address + 4 * axis, word & WORD_MAX)
+
+    def _words(self, name: str) -> tuple[int, ...]:
+        return tuple(self._read(name, i) for i in range(self._map[name].count))
+
+    def _axes(self, name: str) -> tuple[int, ...]:
+        return tuple(word - (word >> 31 << 32) for word in self._words(name))
+
+    def _loader(self, field: str) -> int:
+        return self._map["load_status"].field(field, self._read("load_status"))
+
+    def _send_image(self, image: bytes) -> None:
+        self._command("begin_image", "load_command")
+        for i in range(len(image) // 4):
+            if i % WORDS_PER_KICK == 0:
+                self.kick()
+            self._write("load_word", int.from_bytes(image[4 * i : 4 * i + 4], "little"))
+
+    def _command(self, name: str, register: str = "command") -> None:
+        low, _ = self._map[register].fields[name]
+        self._write(register, 1 << low)
+
+    def _control(self, name: str, value: int) -> Result:
+        """Change a field of control; OK once the core has it."""
+        low, width = self._map["control"].fields[name]
+        mask = (1 << width) - 1 << low
+        control = self._read("control") & ~mask | value << low & mask
+        self._write("control", control)
+        arrived = any(self._read("control_now") == control for _ in range(CONTROL_POLLS))
+        return Result.OK if arrived else Result.TIMEOUT
+
+    def _poll_brakes(self) -> tuple[int, int]:
+        """The state of the brakes and the causes present, after a kick."""
+        self.kick()
+        self._read("result_number")
+        status = self._read("status")
+        return self._map["status"].field("state", status), self._read("cause")
+
+
+def _clocks(hz: int, us: int) -> int:
+    return min(us * hz // 1_000_000, WORD_MAX)

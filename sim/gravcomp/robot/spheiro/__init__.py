@@ -1,0 +1,1 @@
+"""The Sphe.I.Ro.: parameters, kinematics, statics, workspace."""

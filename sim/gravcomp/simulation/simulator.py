@@ -1,0 +1,89 @@
+"""Runs cocotb tests of an entity, in VHDL under GHDL or as Verilog under Icarus; compiles benches with Verilator."""
+
+import os
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from unittest.mock import patch
+
+
+def simulate(
+    entity: str,
+    test_module: str,
+    *,
+    sources: Sequence[Path],
+    build_dir: Path,
+    python_path: Path,
+    generics: Mapping[str, int] | None = None,
+    environment: Mapping[str, str] | None = None,
+    is_verilog: bool = False,
+    tests: str | None = None,
+    vcd: Path | None = None,
+) -> Path:
+    """Run the cocotb tests of test_module (in python_path) on an entity; AssertionError when one fails or none runs.
+
+    sources: VHDL in compile order, under GHDL; with is_verilog Verilog, under Icarus, made with the generics. generics
+    are set on the entity and handed to the test as environment variables of the same name in upper case. tests selects
+    cocotb tests by regular expression. Returns the log of the run.
+    """
+    # Here, because whoever only reads logs or trains needs no simulator.
+    from cocotb_tools.check_results import get_results
+    from cocotb_tools.runner import get_runner
+
+    generics = dict(generics or {})
+    name = build_dir.name
+    build_dir.mkdir(parents=True, exist_ok=True)
+    build_log, log = build_dir / "build.log", build_dir / "run.log"
+    runner = get_runner("icarus" if is_verilog else "ghdl")
+    try:
+        runner.build(
+            sources=sources,
+            hdl_toplevel=entity,
+            build_args=["-g2012"] if is_verilog else ["--std=08"],
+            timescale=("1ns", "1ps") if is_verilog else None,
+            build_dir=build_dir,
+            always=True,
+            log_file=build_log,
+        )
+    except RuntimeError as stop:
+        raise AssertionError(f"{name}: does not compile ({stop})\n{_tail(build_log)}") from None
+    try:
+        variables = {
+            "PYTHONPATH": os.pathsep.join([str(python_path), os.environ.get("PYTHONPATH", "")]),
+            **{k.upper(): str(v) for k, v in generics.items()},
+            **(environment or {}),
+        }
+        # In os.environ, because cocotb's runner prefers that to its own extra_env: make exports WEIGHTS.
+        with patch.dict(os.environ, variables):
+            results = runner.test(
+                hdl_toplevel=entity,
+                test_module=test_module,
+                test_args=[] if is_verilog else ["--std=08"],
+                parameters={} if is_verilog else generics,
+                plusargs=[f"--vcd={vcd}"] if vcd else [],
+                build_dir=build_dir,
+                test_filter=tests,
+                log_file=log,
+            )
+        n_tests, n_failed = get_results(results)
+    except (SystemExit, RuntimeError) as stop:
+        raise AssertionError(f"{name}: the simulation failed ({stop})\n{_tail(log)}") from None
+    assert n_tests > 0, f"{name}: no cocotb test ran\n{_tail(log)}"
+    assert n_failed == 0, f"{name}: {n_failed} of {n_tests} cocotb tests failed\n{_tail(log)}"
+    return log
+
+
+def verilate(verilog: Sequence[Path], entity: str, bench: Path, folder: Path) -> Path:
+    """Compile an entity's Verilog and a bench in C++ with Verilator in a folder; returns the program. AssertionError
+    when that fails.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    command = ["verilator", "--cc", "--exe", "--build", "-O3", "-CFLAGS", "-O2", "--top-module", entity]
+    command += ["-Wno-lint", "-Wno-INITIALDLY", "-Wno-UNOPTFLAT", "--Mdir", folder, "-o", "bench", *verilog, bench]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{folder.name}: Verilator fails\n{done.stderr[-3000:]}"
+    return folder / "bench"
+
+
+def _tail(log: Path, lines: int = 60) -> str:
+    return "\n".join(log.read_text(errors="replace").splitlines()[-lines:]) if log.exists() else "(no log)"

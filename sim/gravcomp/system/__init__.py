@@ -1,1 +1,0 @@
-"""The system around the network as a host sees it: registers and driver."""

@@ -1,0 +1,1 @@
+"""Training: Levenberg-Marquardt, basin hopping, normalisation."""

@@ -1,0 +1,213 @@
+"""Training: from the robot's statics to a network: data, search, polish, weights on the hardware's grid.
+
+Two rounds of independent, seeded searches on part of the poses: random starts with weights tied by the robot's
+symmetry, then hops from the best of them with all weights free. The best is polished on all poses; its weights are
+snapped to the 18-bit codes of the hardware and the output layer is solved again.
+"""
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from joblib import Parallel, delayed, parallel_config
+from threadpoolctl import threadpool_limits
+from tqdm import tqdm
+
+from gravcomp.core.formats import quantise
+from gravcomp.errors import InputError
+from gravcomp.network.weights import Network
+from gravcomp.robot.spheiro.kinematics import inverse_kinematics
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.statics import holding_forces
+from gravcomp.robot.spheiro.workspace import sample_workspace
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
+from gravcomp.training.scaling import Scaling, workspace_scaling
+from gravcomp.training.search import basin_hopping, best_of_draws
+from gravcomp.training.symmetry import cyclic_images, cyclic_tie, is_cyclic
+
+BACKENDS = ("loky", "threading", "dask")
+# Small against the error that 20 neurons leave, large enough that output weights cannot grow without bound.
+RIDGE = 1e-9
+N_TEST_POSES = 8000
+_POLISH = Stop(steps=1500, stall=1e-5)
+
+
+@dataclass(frozen=True)
+class TrainingSet:
+    """Poses with their holding forces: q_m (N, n), m; f_n (N, n), N."""
+
+    q_m: np.ndarray
+    f_n: np.ndarray
+
+    def hash(self) -> str:
+        """SHA-256 of the set in whole nanometres and micronewtons: the same on every machine."""
+        codes = np.rint(np.c_[self.q_m * 1e9, self.f_n * 1e6]).astype("<i8")
+        return hashlib.sha256(codes.tobytes()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How hard one start searches: draws and tied hops in the first round, free hops in the second.
+
+    All on the first search_poses poses. Without symmetry nothing is tied and both kinds of hops are the same.
+    """
+
+    draws: int = 60
+    tied_hops: int = 60
+    hops: int = 200
+    search_poses: int = 600
+
+
+def workspace_set(n_poses: int, p: RobotParameters, seed: int) -> TrainingSet:
+    """n_poses random poses of the workspace. Raises InputError when n_poses is below 1 or seed below 0."""
+    if n_poses < 1:
+        raise InputError(f"{n_poses} poses; give at least 1")
+    if seed < 0:
+        raise InputError(f"seed {seed} is negative; give 0 or more")
+    rotation = sample_workspace(n_poses, p, seed)
+    return TrainingSet(inverse_kinematics(rotation, p), holding_forces(rotation, p))
+
+
+def train(
+    data: TrainingSet,
+    p: RobotParameters,
+    *,
+    n_hidden: int = 20,
+    n_starts: int = 4,
+    seed: int = 1,
+    activation: str = "gamma",
+    backend: str = "loky",
+    effort: Effort,
+) -> tuple[Network, Fit]:
+    """The best network of n_starts searches per round, on the hardware's grid, and its fit in normalised units.
+
+    Chosen by training error alone. Raises InputError for sizes below 1, too few poses, or a backend that is absent.
+    """
+    _check(data, n_hidden, n_starts)
+    scaling = workspace_scaling(p)
+    x, y = scaling.x(data.q_m), scaling.y(data.f_n)
+    symmetric = is_cyclic(p)
+    seeds = np.random.SeedSequence(seed).spawn(2 * n_starts)
+    common = (x[: effort.search_poses], y[: effort.search_poses], n_hidden, activation, symmetric, effort)
+    first = run_parallel(draw_start, [(*common, s) for s in seeds[:n_starts]], backend, f"{n_hidden} neurons, starts")
+    best = min(first, key=lambda fit: fit.cost)
+    second = run_parallel(hop_on, [(*common, best, s) for s in seeds[n_starts:]], backend, f"{n_hidden} neurons, hops")
+    best = min(second, key=lambda fit: fit.cost)
+    problem = _problem(x, y, n_hidden, activation, symmetric)
+    with one_blas_thread():
+        fit = levenberg_marquardt(problem, best.hidden, _POLISH)
+    return snapped(fit, problem, scaling, p), fit
+
+
+def draw_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, seed) -> Fit:
+    """First round: random draws, then hops, with weights tied by the symmetry where there is one."""
+    rng = np.random.default_rng(seed)
+    tie = cyclic_tie(n_hidden, y.shape[1]) if symmetric else None
+    problem = Problem(x, y, n_hidden, ACTIVATIONS[activation], tie, RIDGE)
+    return basin_hopping(problem, best_of_draws(problem, effort.draws, rng), effort.tied_hops, rng)
+
+
+def hop_on(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, fit: Fit, seed) -> Fit:
+    """Second round: hops from the best of the first with all weights free."""
+    problem = _problem(x, y, n_hidden, activation, symmetric)
+    return basin_hopping(problem, fit, effort.hops, np.random.default_rng(seed))
+
+
+def snapped(fit: Fit, problem: Problem, scaling: Scaling, p: RobotParameters) -> Network:
+    """The network with W and V on the hardware's grid: each layer is rounded, then what follows it is solved again.
+
+    Raises InputError when the hardware cannot hold the weights.
+    """
+    fixed = quantise(as_network(fit.hidden, fit.output, scaling), p)
+    hidden = np.c_[fixed.hidden_weights * 2.0**-fixed.weight_fraction, fit.hidden[:, -1]]
+    point = problem.at(hidden.ravel())
+    fixed = quantise(as_network(hidden, point.output, scaling), p)
+    weights = fixed.output_weights * 2.0**-fixed.output_weight_fraction
+    bias = (problem.y - point.act[:, :-1] @ weights.T).mean(axis=0)
+    return as_network(hidden, np.c_[weights, bias], scaling)
+
+
+def as_network(hidden: np.ndarray, output: np.ndarray, scaling: Scaling) -> Network:
+    """A Network from [W b_H], [V b_o] and one scaling for all axes."""
+    each = np.ones(len(output))
+    return Network(
+        hidden[:, :-1],
+        hidden[:, -1],
+        output[:, :-1],
+        output[:, -1],
+        0.0 * each,
+        scaling.q_scale_per_m * each,
+        scaling.f_offset_n * each,
+        scaling.f_scale_n * each,
+    )
+
+
+def mean_square_error_n2(network: Network, data: TrainingSet, activation: str = "gamma") -> float:
+    """Mean over poses and axes of the squared force error, N^2."""
+    error = network.forces(data.q_m, ACTIVATIONS[activation].value) - data.f_n
+    return float(np.mean(error**2))
+
+
+def evaluate(network: Network, data: TrainingSet, unseen: TrainingSet, activation: str = "gamma") -> dict[str, float]:
+    """Figures of a network on its training poses and on unseen ones; errors in N, weights without unit."""
+    error_n = network.forces(unseen.q_m, ACTIVATIONS[activation].value) - unseen.f_n
+    return {
+        "train_mse_n2": mean_square_error_n2(network, data, activation),
+        "test_mse_n2": float(np.mean(error_n**2)),
+        "test_rms_n": float(np.sqrt(np.mean(error_n**2))),
+        "test_max_n": float(np.abs(error_n).max()),
+        "max_hidden_weight": float(np.abs(network.hidden_weights).max()),
+        "max_output_weight": float(np.abs(network.output_weights).max()),
+    }
+
+
+def run_parallel(function: Callable, arguments: list[tuple], backend: str, title: str) -> list:
+    """[function(*a) for a in arguments] over all cores through joblib, with a progress bar.
+
+    backend: loky (processes), threading, or dask (the cluster of the current or configured client, see
+    joblib.parallel_config). Raises InputError when the backend cannot start.
+    """
+    with tqdm(total=len(arguments), desc=title) as bar:
+        try:
+            with parallel_config(backend=backend, n_jobs=-1), one_blas_thread():
+                return _ProgressParallel(bar)(delayed(_on_one_thread)(function, a) for a in arguments)
+        except ValueError as error:
+            if backend == "dask":
+                raise InputError(f"dask backend: {str(error).splitlines()[0]}") from error
+            raise
+
+
+def one_blas_thread():
+    """Context in which BLAS keeps to one thread: on matrices this small more threads cost time, and change rounding."""
+    return threadpool_limits(limits=1, user_api="blas")
+
+
+def _on_one_thread(function: Callable, arguments: tuple):
+    with one_blas_thread():
+        return function(*arguments)
+
+
+class _ProgressParallel(Parallel):
+    def __init__(self, bar: tqdm):
+        super().__init__()
+        self.bar = bar
+
+    def print_progress(self):
+        self.bar.update(self.n_completed_tasks - self.bar.n)
+
+
+def _problem(x, y, n_hidden: int, activation: str, symmetric: bool) -> Problem:
+    """All parameters free; a symmetric robot gives every pose three times, once from each axis."""
+    if symmetric:
+        x, y = cyclic_images(x), cyclic_images(y)
+    return Problem(x, y, n_hidden, ACTIVATIONS[activation], None, RIDGE)
+
+
+def _check(data: TrainingSet, n_hidden: int, n_starts: int) -> None:
+    for name, value in (("hidden neurons", n_hidden), ("starts", n_starts)):
+        if value < 1:
+            raise InputError(f"{value} {name}; give at least 1")
+    n_needed = 2 * n_hidden + 2  # as many equations as parameters, with some to spare
+    if len(data.q_m) < n_needed:
+        raise InputError(f"{len(data.q_m)} poses for {n_hidden} hidden neurons; give at least {n_needed}")

@@ -1,0 +1,67 @@
+"""What the fixed-point core can ever compute, over all encoder counts, and its distance from the float network."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gravcomp.core import formats as q
+from gravcomp.core.formats import FixedNetwork, bits_for, partial_sum_interval
+from gravcomp.network.weights import Network
+from gravcomp.robot.spheiro.kinematics import inverse_kinematics
+from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.workspace import sample_workspace
+from gravcomp.twin import network as bittrue
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Lowest and highest code of a signal over all counts, and the width of its format, bits."""
+
+    low: int
+    high: int
+    bits: int
+
+    @property
+    def needed_bits(self) -> int:
+        return bits_for(self.low, self.high)
+
+
+def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
+    """Interval of every signal of the core over ALL encoder counts.
+
+    Interval arithmetic on the constants that the hardware holds, no sampling. A sum's interval holds every partial sum,
+    in any order of addition.
+    """
+    half = 2 ** (q.OPERAND_BITS - 1)
+    codes = fixed.count_low >> fixed.count_shift, fixed.count_high >> fixed.count_shift
+    hidden_sum = partial_sum_interval(fixed.hidden_weights, fixed.hidden_bias, fixed.x_low, fixed.x_high)
+    # At a = 0 the slope wraps and its product is 0 all the same; elsewhere |a| >= 1.
+    beta = 2 ** (q.SLOPE_FRACTION + 1)
+    slope = (beta - half) >> 1, (beta - 1) >> 1
+    # Gamma rises with a over the whole format: its ends are those of a.
+    h = tuple(int(bittrue.activation(np.array(edge))) for edge in (-half, half - 1))
+    output_sum = partial_sum_interval(fixed.output_weights, fixed.output_bias, *h)
+    scale = int(fixed.output_scale.max())
+    force = tuple(y * scale >> fixed.output_scale_fraction for y in (-half, half - 1))
+    rounding = 1 << fixed.current_scale_fraction - 1
+    full_force = 2 ** (q.FORCE_BITS - 1)
+    current = tuple(
+        f * fixed.current_scale + rounding >> fixed.current_scale_fraction for f in (-full_force, full_force - 1)
+    )
+    return {
+        "count code": Interval(int(codes[0].min()), int(codes[1].max()), q.OPERAND_BITS),
+        "x": Interval(int(fixed.x_low.min()), int(fixed.x_high.max()), q.OPERAND_BITS),
+        "hidden sum": Interval(*hidden_sum, fixed.hidden_sum_bits),
+        "slope of Gamma": Interval(*slope, q.OPERAND_BITS),
+        "h": Interval(*h, q.OPERAND_BITS),
+        "output sum": Interval(*output_sum, fixed.output_sum_bits),
+        "force, mN": Interval(*force, q.FORCE_BITS),
+        "current, uA": Interval(*current, q.CURRENT_BITS),
+    }
+
+
+def fixed_point_error_mn(network: Network, fixed: FixedNetwork, p: RobotParameters, n_poses: int, seed: int):
+    """Forces of the core less those of the float network at exact positions, mN, (n_poses, n), over the workspace."""
+    q_m = inverse_kinematics(sample_workspace(n_poses, p, seed), p)
+    counts = np.rint(q_m / p.encoder_m_per_count).astype(np.int64)
+    return bittrue.core(counts, fixed).force_mn - 1000.0 * network.forces(q_m)

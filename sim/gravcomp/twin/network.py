@@ -1,0 +1,76 @@
+"""The hardware in NumPy, equal to it bit for bit: one function per entity of rtl/.
+
+All values are integer codes (int64); their formats are those of FixedNetwork. A right shift is the truncation of
+``gc_fixed_pkg`` (towards minus infinity).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gravcomp.core import formats as q
+from gravcomp.core.formats import FixedNetwork
+
+
+@dataclass(frozen=True)
+class CoreOutput:
+    """What gc_core returns, (..., n) each: forces, mN; count outside the trained range; output sum saturated."""
+
+    force_mn: np.ndarray
+    clamped: np.ndarray
+    saturated: np.ndarray
+
+
+def saturate(value: np.ndarray, bits: int) -> tuple[np.ndarray, np.ndarray]:
+    """Clip to the range of a signed number of that width; returns the value and whether it was clipped."""
+    limited = np.clip(value, -(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    return limited, limited != value
+
+
+def input_scaler(count: np.ndarray, fixed: FixedNetwork) -> tuple[np.ndarray, np.ndarray]:
+    """gc_input_scaler: counts (..., n) to codes of x (..., n), and whether each count was clamped."""
+    limited = np.clip(count, fixed.count_low, fixed.count_high)
+    x = (limited >> fixed.count_shift) * fixed.input_scale >> fixed.input_scale_fraction
+    return x, limited != count
+
+
+def hidden_lane(x: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
+    """gc_hidden_lane: codes of x (..., n) to those of the pre-activations (..., h), saturated to [-2, 2)."""
+    total = x @ fixed.hidden_weights.T + fixed.hidden_bias
+    return saturate(total >> fixed.preactivation_drop, q.OPERAND_BITS)[0]
+
+
+def activation(a: np.ndarray) -> np.ndarray:
+    """gc_activation: h = Gamma(a) = a (beta - theta |a|).
+
+    The slope is truncated, so h stays below +1; at a = 0 it is +1, which does not fit its 18 bits, but then h is 0
+    whatever it wraps to. In LSB of h, h - Gamma(a) lies in (-2, 0] for a >= 0 and in (-1, 1] for a < 0: up to one
+    from the slope (half its LSB times |a| < 2), up to one from the product.
+    """
+    slope = (2 ** (q.PREACTIVATION_FRACTION + 2) - np.abs(a)) >> 1
+    return a * slope >> (q.PREACTIVATION_FRACTION + q.SLOPE_FRACTION - q.HIDDEN_FRACTION)
+
+
+def output_layer(h: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
+    """gc_output_layer: codes of h (..., h) to the full-precision output sums (..., n)."""
+    return h @ fixed.output_weights.T + fixed.output_bias
+
+
+def output_scaler(total: np.ndarray, fixed: FixedNetwork) -> tuple[np.ndarray, np.ndarray]:
+    """gc_output_scaler: output sums (..., n) to forces in mN (..., n), and whether each y saturated."""
+    y, is_saturated = saturate(total >> fixed.output_drop, q.OPERAND_BITS)
+    return y * fixed.output_scale >> fixed.output_scale_fraction, is_saturated
+
+
+def core(count: np.ndarray, fixed: FixedNetwork) -> CoreOutput:
+    """gc_core: encoder counts (..., n) to holding forces in mN (..., n) with their flags."""
+    x, is_clamped = input_scaler(np.asarray(count, dtype=np.int64), fixed)
+    h = activation(hidden_lane(x, fixed))
+    force_mn, is_saturated = output_scaler(output_layer(h, fixed), fixed)
+    return CoreOutput(force_mn, is_clamped, is_saturated)
+
+
+def current_scaler(force_mn: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
+    """gc_current_scaler: motor currents in uA (..., n), rounded, from forces in mN: i = f / K_t."""
+    half = 2 ** (fixed.current_scale_fraction - 1)
+    return force_mn * fixed.current_scale + half >> fixed.current_scale_fraction

@@ -1,0 +1,32 @@
+"""Area and clock of the core per number of lanes with free tools; docs/synthesis.md and its picture."""
+
+import os
+from pathlib import Path
+
+from gravcomp.errors import InputError
+from gravcomp_lab.pages import renew
+from gravcomp_lab.simulated.pictures import save_figure
+from gravcomp_lab.synthesis.report import picture, tables
+from gravcomp_lab.synthesis.survey import PARTS, survey
+
+
+def add_arguments(parser):
+    parser.add_argument(
+        "--lanes", type=int, nargs="+", default=[1, 4, 20], choices=sorted(PARTS), help="neurons per clock"
+    )
+    parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
+    parser.add_argument("--build", type=Path, default=Path("build"), help="folder of measured latencies and of results")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
+    parser.add_argument("--docs", type=Path, help="folder whose synthesis.md and picture are to be renewed")
+
+
+def run(arguments):
+    if arguments.jobs < 1:
+        raise InputError(f"--jobs {arguments.jobs}: need one or more")
+    results = survey(sorted(set(arguments.lanes)), arguments.rtl, arguments.build, arguments.jobs)
+    text, figure = tables(results), picture(results)
+    print(text)
+    save_figure(figure, arguments.build / "synth" / "synthesis.png")
+    if arguments.docs:
+        renew(arguments.docs / "synthesis.md", "synth", text)
+        save_figure(figure, arguments.docs / "figures" / "synthesis.png")

@@ -1,0 +1,46 @@
+"""Repeat the paper's Table 1 and write docs/table1.md: training performance against the number of neurons."""
+
+from pathlib import Path
+
+from gravcomp.errors import InputError
+from gravcomp.files import write_atomically
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.training.training import BACKENDS, N_TEST_POSES, workspace_set
+from gravcomp_lab.paper.table1 import GRADIENT_THRESHOLD, markdown, table1
+
+_HEADER = """# Table 1 of the paper, repeated
+
+Written by `gravcomp-lab table1`. Plain Levenberg-Marquardt, {poses} poses (seed {seed}), best of {starts} starts by
+training error. A start stops at a gradient of {threshold} or when the error stands still. Gradient: norm of dMSE/dp
+over the normalised parameters, MSE in N². Unseen: {unseen} poses (seed {unseen_seed}). The paper names no unit for
+gradient and MSE, and does not say which activation its table was trained with.
+
+"""
+
+
+def add_arguments(parser):
+    parser.add_argument("--starts", type=int, default=24, help="per size (default %(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="of poses and starts (default %(default)s)")
+    parser.add_argument("--poses", type=int, default=3500, help="training poses (default %(default)s)")
+    parser.add_argument("--out", type=Path, default=Path("docs/table1.md"), help="file (default %(default)s)")
+    parser.add_argument("--backend", choices=BACKENDS, default="loky", help="of joblib (default %(default)s)")
+
+
+def run(arguments):
+    if arguments.starts < 1:
+        raise InputError(f"{arguments.starts} starts; give at least 1")
+    p = load_parameters()
+    data = workspace_set(arguments.poses, p, arguments.seed)
+    unseen = workspace_set(N_TEST_POSES, p, arguments.seed + 1)
+    rows = table1(data, unseen, p, n_starts=arguments.starts, seed=arguments.seed, backend=arguments.backend)
+    header = _HEADER.format(
+        poses=arguments.poses,
+        seed=arguments.seed,
+        starts=arguments.starts,
+        threshold=GRADIENT_THRESHOLD,
+        unseen=N_TEST_POSES,
+        unseen_seed=arguments.seed + 1,
+    )
+    write_atomically(arguments.out, header + markdown(rows))
+    print(markdown(rows), end="")
+    print(f"{arguments.out}: seed {arguments.seed}")

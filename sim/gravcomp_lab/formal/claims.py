@@ -1,0 +1,118 @@
+"""What is proven about the hardware, by which checker of tb/formal, for which generics."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from gravcomp.core.compensator_tables import FRICTION_BITS
+from gravcomp.core.formats import COUNT_BITS, OPERAND_BITS, FixedNetwork, quantise
+from gravcomp.network.weights import load_network
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp_lab.formal.model_check import Verdict, induct, model_check, shortest_run
+from gravcomp_lab.formal.sums import hidden_sums, output_sums
+from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
+
+HIDDEN = 20
+LANES = (1, 2, 4, 5, 10, 20)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Assertions of one checker about one entity: entity with its generics, checker with its parameters.
+
+    clocks_behind_core: what the entity's latency is longer than that of gc_core with the same generics; the checker
+    then gets the sum as LATENCY.
+    """
+
+    checker: str
+    entity: str
+    generics: Mapping[str, int | str] = field(default_factory=dict)
+    parameters: Mapping[str, int] = field(default_factory=dict)
+    clocks_behind_core: int | None = None
+
+    @property
+    def name(self) -> str:
+        return "-".join([self.checker, *(f"{name}{value}" for name, value in self.generics.items())])
+
+
+CLAIMS = (
+    *(Claim("glitch_filter", "gc_glitch_filter", {"samples_g": n}, {"SAMPLES": n}) for n in (1, 2, 4, 5)),
+    Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 0, "speed_timeout_g": 20}),
+    Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 4}),
+    *(Claim("valid_pipeline", "gc_core", {"lanes_g": n}, {"INTERVAL": HIDDEN // n}, 0) for n in LANES),
+    # One lane holds all neurons; the hidden sums are the same with more.
+    Claim("hidden_sums", "gc_hidden_lane", {"lanes_g": 1}),
+    *(Claim("output_sums", "gc_output_layer", {"lanes_g": n}) for n in LANES),
+    Claim("input_clamp", "gc_input_scaler", {"serial_g": "false"}, {"LATENCY": 3, "PRODUCT_CLOCKS": 1}),
+    Claim("input_clamp", "gc_input_scaler", {"serial_g": "true"}, {"LATENCY": 6, "PRODUCT_CLOCKS": 0}),
+    Claim("hidden_saturation", "gc_hidden_lane"),
+    Claim("output_saturation", "gc_output_scaler"),
+    Claim("force_saturation", "gc_compensator", parameters={"TOTAL_BITS": FRICTION_BITS + 1}),
+    Claim("safety", "gc_safety"),
+    Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
+    Claim("force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=16),
+)
+
+
+# Checkers written from the weights, one or several per claim, and those with parameters of the network.
+SUMS = {
+    "hidden_sums": lambda fixed, lanes: [hidden_sums(fixed, lanes)],
+    "output_sums": lambda fixed, lanes: [output_sums(fixed, lanes, k) for k in range(fixed.n_axes)],
+}
+OF_THE_NETWORK = {
+    "input_clamp": lambda fixed: {
+        "LOW": _packed(fixed.count_low, COUNT_BITS),
+        "HIGH": _packed(fixed.count_high, COUNT_BITS),
+        "SCALE": _packed(fixed.input_scale, OPERAND_BITS),
+        "SHIFT": fixed.count_shift,
+        "FRACTION": fixed.input_scale_fraction,
+    },
+    "hidden_saturation": lambda fixed: {"SUM_BITS": fixed.hidden_sum_bits, "DROP": fixed.preactivation_drop},
+    "output_saturation": lambda fixed: {"SUM_BITS": fixed.output_sum_bits, "DROP": fixed.output_drop},
+}
+
+
+def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
+    """Prove or refute a claim about the VHDL of folder rtl; intermediate files go to a folder of its name in out."""
+    folder, parameters = out / claim.name, dict(claim.parameters)
+    if claim.checker in SUMS:
+        return _verify_sums(claim, _design(claim.entity, claim.generics, rtl, folder), _network(checkers))
+    if claim.checker in OF_THE_NETWORK:
+        parameters |= OF_THE_NETWORK[claim.checker](_network(checkers))
+    if claim.clocks_behind_core is not None:
+        core = _design("gc_core", claim.generics, rtl, folder / "core")
+        # The shortest run to a result; that all others take as long is then proven.
+        latency = shortest_run(core, checkers / "valid_pipeline.sv", folder / "core", {"LATENCY": 0}) - 1
+        parameters["LATENCY"] = latency + claim.clocks_behind_core
+    design = _design(claim.entity, claim.generics, rtl, folder)
+    checker, clocks = checkers / f"{claim.checker}.sv", parameters.get("INTERVAL", 1)
+    return model_check(design, checker, folder, parameters, clocks)
+
+
+def _verify_sums(claim: Claim, design: Path, fixed: FixedNetwork) -> Verdict:
+    """The verdict about the first of a claim's checkers that is not proven, or about the last."""
+    for k, text in enumerate(SUMS[claim.checker](fixed, claim.generics["lanes_g"])):
+        folder = design.parent / str(k)
+        folder.mkdir(exist_ok=True)
+        checker = folder / f"{claim.checker}.sv"
+        checker.write_text(text)
+        verdict = induct(design, checker, folder)
+        if not verdict.holds:
+            break
+    return verdict
+
+
+def _network(checkers: Path) -> FixedNetwork:
+    """The network that is shipped: tb/formal stands beside its weights."""
+    return quantise(load_network(checkers.parents[1] / "weights" / "spheiro"), load_parameters())
+
+
+def _packed(values: Iterable[int], bits: int) -> str:
+    """Signed values as a Verilog constant, the first one lowest."""
+    values = [int(value) % 2**bits for value in values]
+    return f"{bits * len(values)}'h{sum(value << bits * k for k, value in enumerate(values)):x}"
+
+
+def _design(entity: str, generics: Mapping[str, int | str], rtl: Path, folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    return to_verilog(rtl_sources(rtl), entity, generics, folder / "design.v")

@@ -1,0 +1,127 @@
+"""Unbounded proof of a checker's assertions: Yosys to an and-inverter graph, ABC's property-directed reachability.
+
+PDR ends with an inductive invariant (it holds at power-up, each clock preserves it, it implies the assertion), which
+ABC verifies once more, or with a run that breaks the assertion. Inputs, and registers without an initial value, are
+free in every clock. Logic that no assertion depends on drops out: a proof about valid bits never sees a multiplier.
+
+Source: N. Een, A. Mishchenko, R. Brayton, "Efficient implementation of property directed reachability", FMCAD 2011.
+"""
+
+import json
+import re
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from gravcomp.errors import InputError
+from gravcomp_lab.synthesis.yosys import run_passes
+
+# Products are cut, and inputs that a checker leaves open are free: any value may stand for one, in every clock. What
+# holds for all values holds for the right one.
+_TO_GRAPH = (
+    "proc -latches error; flatten; setundef -undriven -anyseq; cutpoint t:$mul; async2sync; chformal -lower; "
+    "opt_clean; memory -nomap; memory_map; opt -full; dffunmap; formalff -clk2ff; setundef -undriven -anyseq; "
+    "delete -output; opt -full; techmap; aigmap; opt_clean"
+)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of a checker's assertions.
+
+    proven: names of those that hold for ever. broken: those that do not, each with the clocks of a run from power-up
+    that breaks it. open: without verdict in the time given.
+    """
+
+    proven: tuple[str, ...]
+    broken: Mapping[str, int]
+    open: tuple[str, ...]
+
+    @property
+    def holds(self) -> bool:
+        return bool(self.proven) and not self.broken and not self.open
+
+
+def model_check(
+    verilog: Path,
+    checker: Path,
+    out: Path,
+    parameters: Mapping[str, int | str] | None = None,
+    correspondence_clocks: int = 1,
+    timeout_s: int = 300,
+) -> Verdict:
+    """Prove or refute the assertions of a checker (a SystemVerilog module named as its file) that holds the design.
+
+    A checker reaches a signal inside the design by a wire of the same path: (* hierconn *) wire \\dut.name .
+    Equal signals are merged before, by induction over correspondence_clocks: one per step of a counter brings counters
+    in agreement together. out: folder for intermediate files. Raises InputError when Yosys or ABC fails.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    graph = out / "graph.aig"
+    names = _write_graph(verilog, checker, dict(parameters or {}), graph)
+    merge = "scorr" if correspondence_clocks == 1 else f"scorr; scorr -F {correspondence_clocks}"
+    log = _abc(f"read_aiger {graph}; fold; strash; {merge}; pdr -a -T {timeout_s}", out / "pdr.log")
+    if "Properties:" not in log:
+        raise InputError(f"{checker.stem}: ABC gave no verdict; see {out / 'pdr.log'}")
+    proven = {int(k) for k in re.findall(r"Proved output +(\d+)", log)}
+    broken = {int(k): int(frame) + 1 for k, frame in re.findall(r"Output +(\d+) was asserted in frame +(\d+)", log)}
+    return Verdict(
+        tuple(name for k, name in enumerate(names) if k in proven),
+        {name: broken[k] for k, name in enumerate(names) if k in broken},
+        tuple(name for k, name in enumerate(names) if k not in proven and k not in broken),
+    )
+
+
+def induct(verilog: Path, checker: Path, out: Path) -> Verdict:
+    """Prove a checker with a single assertion that is inductive as it stands: holds at power-up, each clock keeps it.
+
+    For assertions about arithmetic, where PDR is lost. Arguments and errors of model_check.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    graph = out / "graph.aig"
+    (name,) = _write_graph(verilog, checker, {}, graph)
+    read = f"read_aiger {graph}; fold; strash"
+    step = _abc(f"{read}; ind -F 2", out / "ind.log")
+    # The step assumes one clock of the assertion: power-up is checked for two.
+    clocks = 2 if "Networks are equivalent" in step else 12
+    if found := re.search(r"was asserted in frame +(\d+)", _abc(f"{read}; bmc3 -F {clocks} -T 60", out / "bmc.log")):
+        return Verdict((), {name: int(found[1]) + 1}, ())
+    return Verdict((name,), {}, ()) if clocks == 2 else Verdict((), {}, (name,))
+
+
+def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[str, int | str]) -> int:
+    """Clocks of the shortest run from power-up that breaks the only assertion of a checker; arguments of model_check.
+
+    Raises InputError when there is none of less than a thousand clocks.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    graph = out / "graph.aig"
+    _write_graph(verilog, checker, dict(parameters), graph)
+    log = _abc(f"read_aiger {graph}; fold; strash; bmc3 -F 1000", out / "bmc.log")
+    if not (found := re.search(r"was asserted in frame +(\d+)", log)):
+        raise InputError(f"{checker.stem}: no run of 1000 clocks breaks it; see {out / 'bmc.log'}")
+    return int(found[1]) + 1
+
+
+def _write_graph(verilog: Path, checker: Path, parameters: dict[str, int | str], graph: Path) -> list[str]:
+    """Write the graph of a checker and its design; returns the names of its assertions, one per output."""
+    values = " ".join(f"-chparam {name} {value}" for name, value in parameters.items())
+    names = graph.with_suffix(".json")
+    passes = [
+        f"read_verilog -formal -sv {verilog.resolve()} {checker.resolve()}",
+        f"hierarchy -check -top {checker.stem} {values}",
+        *_TO_GRAPH.split("; "),
+        f"write_aiger -I -B -zinit -no-startoffset -ywmap {names.name} {graph.name}",
+    ]
+    run_passes(passes, graph.with_suffix(".log"))
+    return [path[-1].split("$")[0].lstrip("\\") for path in json.loads(names.read_text())["asserts"]]
+
+
+def _abc(script: str, log: Path) -> str:
+    import pyosys  # loads Yosys, which takes a second
+
+    with log.open("w") as file:
+        command = [Path(pyosys.__file__).with_name("yosys-abc"), "-c", script]
+        subprocess.run(command, stdout=file, stderr=subprocess.STDOUT, check=False)
+    return log.read_text(errors="replace")

@@ -1,0 +1,1 @@
+"""The robot in the physics engine, gc_system in the loop."""

@@ -1,0 +1,1 @@
+"""The core as an IP-XACT component."""

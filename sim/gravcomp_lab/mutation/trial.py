@@ -1,0 +1,111 @@
+"""Trial of one mutant: a copy of rtl/ with the fault in it, compiled, then tested until the first failure."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gravcomp_lab.mutation.mutants import Mutant
+from gravcomp_lab.synthesis.verilog import handwritten_sources, rtl_sources, source_of
+
+CAUGHT, TIMEOUT, SURVIVED, INVALID = "caught", "time-out", "survived", "does not compile"
+# For each of analysis and elaboration, which take a second or two: a loop in a function may have lost its end.
+COMPILE_TIMEOUT_S = 60.0
+# Proofs of the unchanged claims; the faults that these files plant themselves have nothing to do with a mutant.
+_PROOFS = ("test_rtl_formal_planted.py", "test_rtl_formal.py")
+# Netlists, figures and long runs of what other files test.
+LEFT_OUT = (
+    *_PROOFS,
+    "test_rtl_formal_equivalence.py",
+    "test_rtl_gates.py",
+    "test_rtl_hil.py",
+    "test_rtl_budget.py",
+    "test_rtl_loop.py",
+    "test_rtl_poses.py",
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a mutant, and the test that caught it."""
+
+    mutant: Mutant
+    result: str
+    test: str = ""
+
+
+def relevant_tests(entity: str, rtl: Path, tb: Path) -> list[str]:
+    """Test files in which the entity runs: its own, then those of what instantiates it, and so on, last the proofs."""
+    texts = {user: path.read_text() for user, path in handwritten_sources(rtl).items()}
+    test_texts = {p.name: p.read_text() for p in sorted(tb.glob("test_rtl_*.py")) if p.name not in LEFT_OUT}
+    own = f"test_rtl_{entity.removeprefix('gc_')}.py"
+    order, seen, level = [own] if own in test_texts else [], {entity}, [entity]
+    while level:
+        for name in level:
+            order += [file for file, text in test_texts.items() if re.search(rf'"{name}(_bench)?"', text)]
+        users = {user for user, text in texts.items() for name in level if re.search(rf"\bwork\.{name}\b", text)}
+        level = sorted(users - seen)
+        seen |= users
+    return [*dict.fromkeys(order), *_PROOFS]
+
+
+def try_mutant(mutant: Mutant, root: Path, tests: list[str], timeout_s: float) -> Outcome:
+    """Plant a mutant in a copy of root's rtl/ and run test files of tb/ on it until one fails."""
+    with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
+        rtl = Path(folder) / "rtl"
+        shutil.copytree(root / "rtl", rtl)
+        source = source_of(rtl, mutant.entity)
+        source.write_text(mutant.plant(source.read_text()))
+        if not _compiles(rtl, folder):
+            return Outcome(mutant, INVALID)
+        return Outcome(mutant, *run_tests(root, rtl, Path(folder) / "build", tests, timeout_s))
+
+
+def run_tests(root: Path, rtl: Path, build: Path, files: Sequence[str], timeout_s: float) -> tuple[str, str]:
+    """Run test files of tb/ on a folder rtl until one fails, the slow ones last: what came of it, and the test.
+
+    The tests that plant faults themselves are left out: on a mutant they find other lines than they expect.
+    timeout_s: of the quick tests, and of the slow ones.
+    """
+    for marker in ("not slow", "slow"):
+        result, test = _run_marked(root, rtl, build, files, marker, timeout_s)
+        if result != SURVIVED:
+            return result, test
+    return SURVIVED, ""
+
+
+def _run_marked(root: Path, rtl: Path, build: Path, files: Sequence[str], marker: str, timeout_s: float):
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", marker]
+    command += ["-k", "not planted", *(str(root / "tb" / file) for file in files)]
+    variables = {"GRAVCOMP_RTL": rtl.resolve(), "GRAVCOMP_BUILD": build.resolve(), "PYTHONPATH": root / "sim"}
+    environment = {**os.environ, **{name: str(value) for name, value in variables.items()}}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    run = subprocess.Popen(command, cwd=root, env=environment, start_new_session=True, **pipes)
+    try:
+        log, _ = run.communicate(timeout=timeout_s)
+    except subprocess.TimeoutExpired:
+        os.killpg(run.pid, signal.SIGKILL)
+        run.communicate()
+        return TIMEOUT, ""
+    if run.returncode in (0, 5):  # 5: nothing selected
+        return SURVIVED, ""
+    failed = re.search(r"^(?:FAILED|ERROR) \S*?(test_\w+\.py\S*)", log, re.MULTILINE)
+    return CAUGHT, failed[1] if failed else log[-300:]
+
+
+def _compiles(rtl: Path, work: str) -> bool:
+    """Whether GHDL analyses the files and elaborates gc_system, which holds every entity, in COMPILE_TIMEOUT_S each."""
+    files = [str(path) for path in rtl_sources(rtl)]
+    options = ["--std=08", f"--workdir={work}"]
+    for command in (["-a", *options, *files], ["--elab-run", *options, "gc_system", "--stop-time=0ns"]):
+        try:
+            subprocess.run(["ghdl", *command], cwd=work, capture_output=True, check=True, timeout=COMPILE_TIMEOUT_S)
+        except (subprocess.CalledProcessError, subprocess.TimeoutExpired):
+            return False
+    return True

@@ -1,0 +1,64 @@
+"""What the core reaches: the results of `make synth`, and its error against the float network."""
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from gravcomp.core.formats import quantise
+from gravcomp.errors import InputError
+from gravcomp.network.weights import load_network
+from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.twin.bounds import fixed_point_error_mn
+from gravcomp_lab.peers.jitter import PERCENTILES, Timing
+from gravcomp_lab.peers.measure import Row
+
+LANES = {1, 4, 20}
+
+
+def core_rows(build: Path, error: float = math.nan) -> dict[int, Row]:
+    """Those of the core with 1, 4 and 20 lanes that build/synth/synth.json has; InputError when it has none."""
+    path = build / "synth" / "synth.json"
+    try:
+        rows = {result["lanes"]: _row(result, error) for result in json.loads(path.read_text())}
+    except (OSError, ValueError, KeyError, TypeError):
+        rows = {}
+    if not rows.keys() & LANES:
+        raise InputError(f"{path}: no result for 1, 4 or 20 lanes, or a damaged one; start `make synth`")
+    return {lanes: rows[lanes] for lanes in sorted(rows.keys() & LANES)}
+
+
+def core_error(weights: Path, n_poses: int, seed: int) -> float:
+    """Largest distance from the float network, in full scale of an output, at random poses of the workspace.
+
+    From encoder counts to mN: unlike that of a peer it has the rounding of counts and forces in it.
+    """
+    network, p = load_network(weights), load_parameters()
+    error_mn = fixed_point_error_mn(network, quantise(network, p, weights), p, n_poses, seed)
+    return float(np.abs(error_mn / (1000.0 * network.f_scale_n)).max())
+
+
+def core_timings(rows: dict[int, Row]) -> Iterator[Timing]:
+    """The core's latency per number of lanes and speed grade; every percentile is the same."""
+    for row in rows.values():
+        for speed in sorted(row.clock_mhz):
+            yield Timing(f"{row.name}, speed {speed}", (row.latency_ns(speed),) * len(PERCENTILES))
+
+
+def _row(result: dict, error: float) -> Row:
+    used = result["cells"]["placed"]
+    return Row(
+        name=f"this core, {result['lanes']} lane{'s' * (result['lanes'] > 1)}",
+        comb=used["TRELLIS_COMB"],
+        ff=used["TRELLIS_FF"] - result["port_flip_flops"],
+        mult=used.get("MULT18X18D", 0),
+        ram=used.get("DP16KD", 0),
+        clock_mhz={int(speed): mhz for speed, mhz in result["quoted_mhz"].items()},
+        n_seeds=min(map(len, result["clock_mhz"].values())),
+        latency=result["latency"],
+        latency_claimed=result["latency"],
+        interval=result["interval"],
+        error=error,
+    )

@@ -1,0 +1,1 @@
+"""What `make regs` does beside PeakRDL."""

@@ -1,0 +1,1 @@
+"""What make sim ran: poses, run, errors, pictures."""
