@@ -8,6 +8,7 @@ from gravcomp.core.formats import quantise
 from gravcomp.network.weights import load_network
 from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.twin.bounds import fixed_point_error_mn, intervals
+from gravcomp.twin.precision import certified, precision
 
 N_POSES, SEED = 20000, 41
 
@@ -27,3 +28,9 @@ def run(arguments):
     rms, largest = np.sqrt((error**2).mean()), np.abs(error).max()
     print(f"\nFixed point against float over the workspace ({N_POSES} poses, seed {SEED}): ", end="")
     print(f"RMS {rms:.2f} mN, maximum {largest:.2f} mN.")
+    cost = precision(network, fixed, p.encoder_m_per_count)
+    print(f"\nOver the whole trained range {cost}; `make rom` refuses more than {cost.limit_mn:.1f} mN RMS:\n")
+    print("| stage | alone, mN RMS | its format is set by |\n|---|---|---|")
+    for stage in cost.stages:
+        print(f"| {stage.name} | {stage.rms_mn:.2f} | {stage.file} row {stage.row}, {stage.column} = {stage.value:g} |")
+    certified(cost, arguments.weights)

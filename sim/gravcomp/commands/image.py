@@ -17,4 +17,5 @@ def add_arguments(parser):
 def run(arguments):
     image = load_image(arguments.weights, arguments.rom, load_parameters(arguments.robot))
     write_atomically(arguments.out, image.data)
-    print(f"{arguments.out}: {len(image.words)} words, CRC-32 0x{image.crc32:08X}, written from {arguments.weights}")
+    print(f"{arguments.out}: {len(image.words)} words, CRC-32 0x{image.crc32:08X}, written from {arguments.weights}; "
+          f"{image.precision}")  # fmt: skip

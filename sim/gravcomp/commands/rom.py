@@ -17,8 +17,8 @@ def add_arguments(parser):
 def run(arguments):
     p = load_parameters(arguments.robot)
     if not arguments.check:
-        write_rom(arguments.weights, p, arguments.out)
-        print(f"{arguments.out}: written from {arguments.weights}")
+        cost = write_rom(arguments.weights, p, arguments.out)
+        print(f"{arguments.out}: written from {arguments.weights}; {cost}")
         return
     for path in stale_rom_files(arguments.weights, p, arguments.out):
         raise InputError(f"{path}: not made from {arguments.weights}; start `make rom WEIGHTS={arguments.weights}`")

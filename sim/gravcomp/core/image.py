@@ -27,6 +27,7 @@ from gravcomp.core.compensator_tables import PHASE_STEP_BITS, FixedCompensation,
 from gravcomp.core.formats import FixedNetwork, quantise
 from gravcomp.network.weights import load_network
 from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.twin.precision import Precision, certified, precision
 
 WORD_BITS = 32
 
@@ -38,6 +39,7 @@ class Image:
     words: np.ndarray
     network: FixedNetwork
     compensation: FixedCompensation
+    precision: Precision
 
     @property
     def data(self) -> bytes:
@@ -53,12 +55,15 @@ def load_image(folder: Path | str, rom: Path | str, p: RobotParameters) -> Image
     """The image of a weights folder for a core whose ROM was made from the folder rom.
 
     Raises InputError when one of them cannot be read, when the network has another size, or when a format of the core
-    cannot hold a value or a sum.
+    cannot hold a value or a sum, or costs too much.
     """
-    formats = quantise(load_network(rom), p, rom)
-    network = quantise(load_network(folder), p, folder, formats)
+    built = load_network(rom)
+    formats = quantise(built, p, rom)
+    wanted = load_network(folder)
+    network = quantise(wanted, p, folder, formats)
+    cost = certified(precision(wanted, network, p.encoder_m_per_count, built), folder, rom)
     compensation = quantise_compensation(load_compensation(folder, network.n_axes), p, folder)
-    return Image(image_words(network, compensation), network, compensation)
+    return Image(image_words(network, compensation), network, compensation, cost)
 
 
 def image_words(network: FixedNetwork, compensation: FixedCompensation) -> np.ndarray:

@@ -10,6 +10,7 @@ from gravcomp.core.vhdl.compensation_package import COMPENSATION_PACKAGE_FILE, c
 from gravcomp.files import write_all_atomically
 from gravcomp.network.weights import load_network, weights_hash
 from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.twin.precision import Precision, certified, precision
 
 PACKAGE_FILE = "gc_network_pkg.vhd"
 
@@ -17,24 +18,37 @@ PACKAGE_FILE = "gc_network_pkg.vhd"
 def rom_files(folder: Path | str, p: RobotParameters) -> dict[str, str]:
     """The generated packages of a weights folder, text by file name.
 
-    Raises InputError when the weights or the constants of the compensator cannot be read or held.
+    Raises InputError when the weights or the constants of the compensator cannot be read or held, or when the formats
+    cost too much.
     """
-    fixed = quantise(load_network(folder), p, folder)
-    return {
-        PACKAGE_FILE: package_text(fixed, weights_hash(folder), Path(folder).name),
-        COMPENSATION_PACKAGE_FILE: compensation_package_text(folder, fixed.n_axes, p),
-    }
+    return _rom_files(folder, p)[0]
 
 
-def write_rom(folder: Path | str, p: RobotParameters, generated: Path | str) -> None:
-    """Write the packages of a weights folder to generated/. Raises InputError; the old packages are then untouched."""
-    write_all_atomically({Path(generated) / name: text for name, text in rom_files(folder, p).items()})
+def write_rom(folder: Path | str, p: RobotParameters, generated: Path | str) -> Precision:
+    """Write the packages of a weights folder to generated/; returns what the formats cost.
+
+    Raises InputError as rom_files does; the old packages are then untouched.
+    """
+    texts, cost = _rom_files(folder, p)
+    write_all_atomically({Path(generated) / name: text for name, text in texts.items()})
+    return cost
 
 
 def stale_rom_files(folder: Path | str, p: RobotParameters, generated: Path | str) -> list[Path]:
     """The packages in generated/ that are not those of the weights folder. Raises InputError as rom_files does."""
     paths = {Path(generated) / name: text for name, text in rom_files(folder, p).items()}
     return [path for path, text in paths.items() if not _holds(path, text)]
+
+
+def _rom_files(folder: Path | str, p: RobotParameters) -> tuple[dict[str, str], Precision]:
+    network = load_network(folder)
+    fixed = quantise(network, p, folder)
+    cost = certified(precision(network, fixed, p.encoder_m_per_count), folder)
+    texts = {
+        PACKAGE_FILE: package_text(fixed, weights_hash(folder), Path(folder).name),
+        COMPENSATION_PACKAGE_FILE: compensation_package_text(folder, fixed.n_axes, p),
+    }
+    return texts, cost
 
 
 def _holds(path: Path, text: str) -> bool:

@@ -1,0 +1,143 @@
+"""What the formats cost: the core against the float network, in all and stage by stage, and the value that sets each.
+
+All values of a table share one format, which its largest sets. One huge weight takes the bits of all the others, and no
+sum overflows by it: only this comparison tells.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from gravcomp.core import formats as q
+from gravcomp.core.formats import FixedNetwork
+from gravcomp.errors import InputError
+from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, Network
+from gravcomp.twin.network import core, input_scaler, output_scaler
+
+N_COUNTS, SEED = 20000, 43
+# Of the largest f_scale_n, RMS. Ten times what the formats cost a network that uses their bits well, and a quarter of
+# what the shipped one misses of the statics.
+MAX_SHARE = 2.5e-4
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What one stage costs alone, RMS in mN, and the value that sets its format."""
+
+    name: str
+    rms_mn: float
+    file: str
+    row: int
+    column: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Precision:
+    """Error of the core against the float network at encoder counts of the trained range, mN; dearest stage first."""
+
+    rms_mn: float
+    largest_mn: float
+    limit_mn: float
+    stages: tuple[Stage, ...]
+
+    def __str__(self) -> str:
+        return (
+            f"the formats cost {self.rms_mn:.2f} mN RMS, {self.largest_mn:.2f} mN at most "
+            f"({N_COUNTS} positions, seed {SEED})"
+        )
+
+
+def precision(
+    network: Network, fixed: FixedNetwork, step_m: float | np.ndarray, setter: Network | None = None
+) -> Precision:
+    """Fixed against float at N_COUNTS positions, uniform over the trained range of every axis.
+
+    step_m: one encoder count. setter: the network whose formats these are, if another. Positions at which the core
+    flags saturation are left out: those are told at run time.
+    """
+    rng = np.random.default_rng(SEED)
+    counts = rng.integers(fixed.count_low, fixed.count_high + 1, (N_COUNTS, network.n_axes))
+    answer, wanted_n = core(counts, fixed), network.forces(counts * step_m)
+    error_mn = np.where(answer.saturated, 0.0, answer.force_mn - 1000.0 * wanted_n)
+    stages = _stages(network, fixed, counts, step_m, ~answer.saturated, setter or network)
+    return Precision(
+        _rms(error_mn),
+        float(np.abs(error_mn).max()),
+        1000.0 * MAX_SHARE * float(network.f_scale_n.max()),
+        tuple(sorted(stages, key=lambda stage: -stage.rms_mn)),
+    )
+
+
+def certified(found: Precision, folder: Path | str, core_folder: Path | str | None = None) -> Precision:
+    """The same, when it costs no more than its limit; else InputError naming the value that costs most.
+
+    core_folder: the weights that set the formats, if others than those in folder.
+    """
+    if found.rms_mn <= found.limit_mn:
+        return found
+    stage = found.stages[0]
+    where = f"{Path(core_folder or folder) / stage.file}: row {stage.row}, column {stage.column}: {stage.value:g}"
+    mend = (
+        f"load weights of the size of those that the core was built with, or build one from {folder}"
+        if core_folder
+        else "retrain with smaller values there, or spread this one over others"
+    )
+    raise InputError(
+        f"{where} sets a format so coarse that forces are {found.rms_mn:.0f} mN RMS off, limit {found.limit_mn:.1f} mN "
+        f"(its stage alone: {stage.rms_mn:.0f} mN); {mend}"
+    )
+
+
+def _stages(network: Network, fixed: FixedNetwork, counts, step_m, is_whole, setter: Network) -> list[Stage]:
+    """Each stage in its format and all the others in float. is_whole (N, n): forces that do not saturate."""
+    q_m = counts * step_m
+    exact_n = network.forces(q_m)
+    hidden = replace(network, hidden_weights=np.ldexp(fixed.hidden_weights, -fixed.weight_fraction))
+    output = replace(network, output_weights=np.ldexp(fixed.output_weights, -fixed.output_weight_fraction))
+    forces_n = {
+        "positions": network.forces(_positions(network, fixed, counts, q_m)),
+        "hidden weights": hidden.forces(q_m),
+        "output weights": output.forces(q_m),
+        "forces": _scaled(network, fixed, exact_n),
+    }
+    sets = {
+        "positions": _in_scaling(setter, "q_offset_m", setter.q_offset_m * setter.q_scale_per_m, "q_scale_per_m"),
+        "hidden weights": (HIDDEN_CSV, *_largest(setter.hidden_weights, "w_q")),
+        "output weights": (OUTPUT_CSV, *_largest(setter.output_weights, "v_")),
+        "forces": _in_scaling(setter, "f_offset_n", setter.f_offset_n / setter.f_scale_n, "f_scale_n"),
+    }
+    return [
+        Stage(name, 1000.0 * _rms(np.where(is_whole, forces - exact_n, 0.0)), *sets[name])
+        for name, forces in forces_n.items()
+    ]
+
+
+def _positions(network: Network, fixed: FixedNetwork, counts: np.ndarray, q_m: np.ndarray) -> np.ndarray:
+    """Positions (N, n), m, as the core sees them, without the offset that its biases make up for."""
+    error_m = np.ldexp(input_scaler(counts, fixed)[0], -fixed.x_fraction) / network.q_scale_per_m - q_m
+    return q_m + error_m - error_m.mean(axis=0)
+
+
+def _scaled(network: Network, fixed: FixedNetwork, forces_n: np.ndarray) -> np.ndarray:
+    """Forces (N, n), N, through the last format and scale alone; the halves of what they truncate are in the bias."""
+    y = (forces_n + 0.5e-3) / network.f_scale_n + 2.0 ** -(fixed.y_fraction + 1)
+    fraction = q.HIDDEN_FRACTION + fixed.output_weight_fraction
+    return 1e-3 * output_scaler(np.floor(np.ldexp(y, fraction)).astype(np.int64), fixed)[0]
+
+
+def _largest(values: np.ndarray, column: str) -> tuple[int, str, float]:
+    row, number = np.unravel_index(np.argmax(np.abs(values)), values.shape)
+    return int(row) + 1, f"{column}{number + 1}", float(values[row, number])
+
+
+def _in_scaling(network: Network, offset: str, ratio: np.ndarray, scale: str) -> tuple[str, int, str, float]:
+    """The offset that makes a format wider than its trained range needs, or else the largest scale."""
+    column, sizes = (offset, np.abs(ratio)) if np.abs(ratio).max() > 1 else (scale, getattr(network, scale))
+    row = int(np.argmax(sizes))
+    return SCALING_CSV, row + 1, column, float(getattr(network, column)[row])
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt((values**2).mean()))
