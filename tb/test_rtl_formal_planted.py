@@ -13,7 +13,7 @@ BY_CHECKER = {claim.checker: claim for claim in CLAIMS}
 
 # Checker, file, and its faults, which are planted together: VHDL, fault, assertion that must break.
 PLANTED = [
-    ("axi", "registers/gc_registers", [
+    ("axi", "gc_registers", [
         ("axil_resp_wptr <= axil_resp_wptr + 1;", "axil_resp_wptr <= axil_resp_wptr + 2;",
          "no_read_response_without_request"),
         ("axil_n_in_flight < to_unsigned(2, 2)", "axil_n_in_flight < to_unsigned(3, 2)",
@@ -21,7 +21,7 @@ PLANTED = [
         ("s_axil_rdata <= axil_resp_buffer(to_integer(axil_resp_rptr(0 downto 0))).rdata;",
          "s_axil_rdata <= cpuif_rd_data;", "read_response_holds"),
     ]),
-    ("axi", "registers/gc_registers", [
+    ("axi", "gc_registers", [
         ("elsif axil_awvalid and axil_wvalid then", "elsif axil_awvalid then", "no_write_response_without_request"),
         ("elsif axil_arvalid then", "elsif axil_arvalid and not axil_prev_was_rd then", "reads_are_answered"),
         ("if cpuif_rd_ack or cpuif_wr_ack then", "if cpuif_rd_ack or (cpuif_wr_ack and not cpuif_wr_err) then",

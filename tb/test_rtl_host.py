@@ -187,8 +187,9 @@ async def example(dut):
     dut.index_count.value = pack([2, 2, 2], COUNT_BITS)  # two counts before the end of the walk
 
     async def move_over_the_index():
-        while int(dut.i_system.i_core_side.in_settings.value) >> 4 & 7 != 7:
+        while dut.settings_home.value != 7:
             await system.clocks(10)
+            dut.settings_bits.value = dut.i_system.core_settings_word.value
         await system.walk_to(np.array([8, 8, 8]))
         await system.walk_to(np.array([4, 4, 4]))
 

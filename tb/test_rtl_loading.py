@@ -8,7 +8,7 @@ import cocotb
 import numpy as np
 import pytest
 from cocotb.task import bridge
-from cocotb.triggers import FallingEdge
+from cocotb.triggers import FallingEdge, ReadOnly
 
 from axi import BusError, SimulatedBus
 from gravcomp.driver.host import Brakes, Host, Result
@@ -23,21 +23,23 @@ POLLS = 300
 LOCKED = [("load_word", 0x12345678), ("load_crc", 0), *(("load_command", bit) for bit in (BEGIN, COMMIT, ROM))]
 
 
-async def record_loads(controller, loads: list) -> None:
-    """Append what reaches the core: kind, and word or CRC; kinds as in gc_system_pkg."""
+async def record_loads(dut, loads: list) -> None:
+    """Append what reaches the core: kind, and word or CRC."""
     kinds = ("word", "begin", "commit", "rom")
     while True:
-        await FallingEdge(controller.clk)
-        if controller.in_load_valid.value == 1:
-            item = int(controller.in_load.value)
-            loads += [(kind, item & 0xFFFFFFFF) for bit, kind in enumerate(kinds, 32) if item >> bit & 1]
+        await FallingEdge(dut.clk)
+        if dut.i_system.load_valid.value == 1:
+            dut.load_bits.value = dut.i_system.core_load_word.value
+            await ReadOnly()
+            word, found = int(dut.load_word.value), int(dut.load_kinds.value)
+            loads += [(kind, word) for bit, kind in enumerate(kinds) if found >> bit & 1]
 
 
 async def start(dut, axi_mhz: float, core_mhz: float = 40) -> tuple[System, list]:
     """The system after reset, and a list of what will reach its core."""
     system, loads = System(dut), []
     await system.start(axi_mhz, core_mhz)
-    cocotb.start_soon(record_loads(dut.i_system.i_core_side, loads))
+    cocotb.start_soon(record_loads(dut, loads))
     return system, loads
 
 

@@ -6,7 +6,7 @@ import cocotb
 import numpy as np
 import pytest
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, with_timeout
 from cocotb.utils import get_sim_time
 
 from axi import BusError, Registers
@@ -320,7 +320,7 @@ async def whole_results_while_the_axes_move(dut, axi_mhz):
     system = System(dut)
     await system.start(axi_mhz)
     states = []
-    cocotb.start_soon(record_states(dut.i_system.i_bus_side, states))
+    cocotb.start_soon(record_states(dut, states))
     await system.home_near(np.array([2002, -3002, 4002]))
     dut.clocks_per_edge.value = 9
     dut.target.value = pack([150_000, -150_000, 150_000], COUNT_BITS)
@@ -338,15 +338,17 @@ async def whole_results_while_the_axes_move(dut, axi_mhz):
             assert_bit_true(state)
 
 
-async def record_states(host, states: list) -> None:
-    """Append the result in every state that reaches the host's clock; words as in gc_system_pkg."""
-    names = ("position", "speed_period", "force_mn", "current_ua")
+async def record_states(dut, states: list) -> None:
+    """Append the result in every state that reaches the host's clock."""
+    signals = {"position": "position", "speed_period": "period", "force_mn": "force", "current_ua": "current"}
     while True:
-        await FallingEdge(host.clk)
-        if host.in_valid.value == 1:
-            words = unpack([int(host.in_state.value)], 32, 31)[0]
-            groups = {name: words[7 + N_AXES * k :][:N_AXES] for k, name in enumerate(names)}
-            states.append({"number": words[0], **groups})
+        await FallingEdge(dut.s_axi_aclk)
+        if dut.i_system.axi_valid.value == 1:
+            dut.state_bits.value = dut.i_system.axi_state_word.value
+            await ReadOnly()
+            words = {name: int(getattr(dut, f"state_{signal}").value) for name, signal in signals.items()}
+            axes = {name: unpack([word], 32, N_AXES)[0] for name, word in words.items()}
+            states.append({"number": int(dut.state_number.value), **axes})
 
 
 @cocotb.test()

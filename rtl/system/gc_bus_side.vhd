@@ -89,13 +89,12 @@ architecture rtl of gc_bus_side is
   signal bvalid        : std_ulogic;
   signal loaded        : std_ulogic := '0';
 
-  -- Commands at their places in settings.
-  signal command : word_t;
-  signal waiting : word_t := (others => '0');
+  signal command : commands_t;
+  signal waiting : commands_t := no_commands_c;
 
-  signal number     : word_t := (others => '0');
-  signal missed     : word_t := (others => '0');
-  signal fault      : word_t := (others => '0');
+  signal number     : word_t   := (others => '0');
+  signal missed     : word_t   := (others => '0');
+  signal fault      : causes_t := no_causes_c;
   signal new_result : std_ulogic := '0';
   signal new_fault  : std_ulogic := '0';
   signal new_missed : std_ulogic := '0';
@@ -175,23 +174,13 @@ begin
 
   end process p_loaded;
 
-  p_load : process (all) is
-  begin
+  load_data.word <= regs_out.load_word.value.value when loaded = '1' else regs_out.load_crc.value.value;
+  load_data.is_word <= loaded;
+  load_data.begin_image <= regs_out.load_command.begin_image.value;
+  load_data.commit <= regs_out.load_command.commit.value;
+  load_data.use_rom <= regs_out.load_command.use_rom.value;
 
-    load_data(31 downto 0) <= regs_out.load_crc.value.value;
-
-    if loaded = '1' then
-      load_data(31 downto 0) <= regs_out.load_word.value.value;
-    end if;
-
-    load_data(load_word_c) <= loaded;
-    load_data(load_begin_c) <= regs_out.load_command.begin_image.value;
-    load_data(load_commit_c) <= regs_out.load_command.commit.value;
-    load_data(load_rom_c) <= regs_out.load_command.use_rom.value;
-
-  end process p_load;
-
-  load_valid <= '1' when unsigned(load_data(load_t'high downto 32)) /= 0 else '0';
+  load_valid <= load_data.is_word or load_data.begin_image or load_data.commit or load_data.use_rom;
 
   -- Identity
 
@@ -202,22 +191,16 @@ begin
   regs_in.clock_hz.value.next_q <= std_ulogic_vector(to_unsigned(clock_hz_g, 32));
 
   g_hash : for i in 0 to 7 generate
-    regs_in.weights_hash(i).value.next_q <= words(weights_hash_c, 7 - i);
-    regs_in.compensation_hash(i).value.next_q <= words(compensation_hash_c, 7 - i);
+    regs_in.weights_hash(i).value.next_q <= weights_hash_c(32 * (7 - i) + 31 downto 32 * (7 - i));
+    regs_in.compensation_hash(i).value.next_q <= compensation_hash_c(32 * (7 - i) + 31 downto 32 * (7 - i));
   end generate g_hash;
 
   -- Settings and commands
 
-  p_command : process (all) is
-  begin
-
-    command <= (others => '0');
-    command(cfg_start_c) <= regs_out.command.start.value;
-    command(cfg_kick_c) <= regs_out.command.kick.value;
-    command(cfg_clear_encoder_c) <= regs_out.command.clear_encoder.value;
-    command(cfg_clear_fault_c + causes_c - 1 downto cfg_clear_fault_c) <= regs_out.fault.clear.value;
-
-  end process p_command;
+  command.start <= regs_out.command.start.value;
+  command.kick <= regs_out.command.kick.value;
+  command.clear_encoder <= regs_out.command.clear_encoder.value;
+  command.clear_fault <= regs_out.fault.clear.value;
 
   -- What is written to fault is one pulse, too.
   regs_in.fault.clear.hwclr <= '1';
@@ -231,122 +214,92 @@ begin
         waiting <= command;
       end if;
       if rst = '1' then
-        waiting <= (others => '0');
+        waiting <= no_commands_c;
       end if;
     end if;
 
   end process p_commands;
 
-  p_settings : process (all) is
-
-    variable first_v : word_t;
-
-  begin
-
-    first_v := waiting;
-    first_v(cfg_enable_c) := regs_out.control.enable.value;
-    first_v(cfg_tick_enable_c) := regs_out.control.tick_enable.value;
-    first_v(cfg_home_c + axes_c - 1 downto cfg_home_c) := regs_out.control.home_enable.value;
-
-    out_settings(31 downto 0) <= first_v;
-
-  end process p_settings;
-
-  -- from cfg_brake_c down to cfg_tick_clocks_c
-  out_settings(32 * cfg_index_c - 1 downto 32) <= regs_out.brake_clocks.value.value
-                                                  & regs_out.result_clocks.value.value
-                                                  & regs_out.watchdog_clocks.value.value
-                                                  & regs_out.saturation_clocks.value.value
-                                                  & '0' & regs_out.period_min_clocks.value.value
-                                                  & '0' & regs_out.current_slew_ua.value.value
-                                                  & '0' & regs_out.current_limit_ua.value.value
-                                                  & regs_out.expected_weights.value.value
-                                                  & regs_out.tick_clocks.value.value;
+  out_settings.commands <= waiting;
+  out_settings.enable <= regs_out.control.enable.value;
+  out_settings.tick_enable <= regs_out.control.tick_enable.value;
+  out_settings.home <= regs_out.control.home_enable.value;
+  out_settings.tick_clocks <= regs_out.tick_clocks.value.value;
+  out_settings.weights <= regs_out.expected_weights.value.value;
+  out_settings.current_limit <= regs_out.current_limit_ua.value.value;
+  out_settings.current_slew <= regs_out.current_slew_ua.value.value;
+  out_settings.period_min <= regs_out.period_min_clocks.value.value;
+  out_settings.saturation_clocks <= regs_out.saturation_clocks.value.value;
+  out_settings.watchdog_clocks <= regs_out.watchdog_clocks.value.value;
+  out_settings.result_clocks <= regs_out.result_clocks.value.value;
+  out_settings.brake_clocks <= regs_out.brake_clocks.value.value;
 
   -- State
 
   regs_in.load_status.loadable.next_q <= '1' when loadable_g else '0';
   regs_in.load_status.unlocked.next_q <= unlocked;
-  regs_in.bank_crc.value.next_q <= words(in_state, sts_bank_crc_c);
-  regs_in.result_number.value.next_q <= words(in_state, sts_number_c);
-  regs_in.missed_ticks.value.next_q <= words(in_state, sts_missed_c);
+  regs_in.load_status.bad.next_q <= in_state.load_bad;
+  regs_in.load_status.waiting.next_q <= in_state.load_waiting;
+  regs_in.load_status.bank.next_q <= in_state.bank;
+  regs_in.bank_crc.value.next_q <= in_state.bank_crc;
+
+  regs_in.control_now.enable.next_q <= in_state.enable;
+  regs_in.control_now.tick_enable.next_q <= in_state.tick_enable;
+  regs_in.control_now.home_enable.next_q <= in_state.home;
+
+  regs_in.result_number.value.next_q <= in_state.number;
+  regs_in.missed_ticks.value.next_q <= in_state.missed;
+
+  regs_in.status.state.next_q <= in_state.safety;
+  regs_in.status.released.next_q <= in_state.released;
+  regs_in.status.run.next_q <= in_state.run;
+  regs_in.status.busy.next_q <= in_state.busy;
+
+  regs_in.axis_flags.clamped.next_q <= in_state.clamped;
+  regs_in.axis_flags.saturated.next_q <= in_state.saturated;
+  regs_in.axis_flags.limited.next_q <= in_state.limited;
+  regs_in.axis_flags.settled.next_q <= in_state.settled;
+  regs_in.axis_flags.referenced.next_q <= in_state.referenced;
+  regs_in.axis_flags.illegal.next_q <= in_state.illegal;
+  regs_in.axis_flags.glitch.next_q <= in_state.glitch;
+  regs_in.axis_flags.speed_valid.next_q <= in_state.speed_valid;
+  regs_in.axis_flags.speed_zero.next_q <= in_state.speed_zero;
+
+  regs_in.cause.value.next_q <= in_state.cause;
+  regs_in.first_cause.value.next_q <= in_state.first_cause;
+  regs_in.fault.estop.next_q <= in_state.fault(cause_estop_c);
+  regs_in.fault.encoder.next_q <= in_state.fault(cause_encoder_c);
+  regs_in.fault.crc.next_q <= in_state.fault(cause_crc_c);
+  regs_in.fault.rom.next_q <= in_state.fault(cause_rom_c);
+  regs_in.fault.speed.next_q <= in_state.fault(cause_speed_c);
+  regs_in.fault.position.next_q <= in_state.fault(cause_position_c);
+  regs_in.fault.saturation.next_q <= in_state.fault(cause_saturation_c);
+  regs_in.fault.watchdog.next_q <= in_state.fault(cause_watchdog_c);
+  regs_in.fault.result.next_q <= in_state.fault(cause_result_c);
+  regs_in.fault.unreferenced.next_q <= in_state.fault(cause_reference_c);
+
+  -- One word per axis.
 
   g_axis : for i in 0 to axes_c - 1 generate
     regs_in.trained_low(i).value.next_q <= std_ulogic_vector(to_signed(count_low_c(i), 32));
     regs_in.trained_high(i).value.next_q <= std_ulogic_vector(to_signed(count_high_c(i), 32));
 
-    out_settings(32 * (cfg_index_c + i) + 31 downto 32 * (cfg_index_c + i)) <= regs_out.index_position(i).value.value;
-    out_settings(32 * (cfg_low_c + i) + 31 downto 32 * (cfg_low_c + i)) <= regs_out.window_low(i).value.value;
-    out_settings(32 * (cfg_high_c + i) + 31 downto 32 * (cfg_high_c + i)) <= regs_out.window_high(i).value.value;
+    out_settings.index_position(i) <= regs_out.index_position(i).value.value;
+    out_settings.window_low(i) <= regs_out.window_low(i).value.value;
+    out_settings.window_high(i) <= regs_out.window_high(i).value.value;
 
-    regs_in.position(i).value.next_q <= words(in_state, sts_position_c + i);
-    regs_in.speed_period(i).value.next_q <= words(in_state, sts_period_c + i);
-    regs_in.force_mn(i).value.next_q <= words(in_state, sts_force_c + i);
-    regs_in.current_ua(i).value.next_q <= words(in_state, sts_current_c + i);
-    regs_in.command_ua(i).value.next_q <= words(in_state, sts_command_c + i);
-    regs_in.position_now(i).value.next_q <= words(in_state, sts_position_now_c + i);
-    regs_in.first_position(i).value.next_q <= words(in_state, sts_first_position_c + i);
+    regs_in.position(i).value.next_q <= in_state.position(i);
+    regs_in.speed_period(i).value.next_q <= in_state.period(i);
+    regs_in.force_mn(i).value.next_q <= in_state.force_mn(i);
+    regs_in.current_ua(i).value.next_q <= in_state.current(i);
+    regs_in.command_ua(i).value.next_q <= in_state.command(i);
+    regs_in.position_now(i).value.next_q <= in_state.position_now(i);
+    regs_in.first_position(i).value.next_q <= in_state.first_position(i);
   end generate g_axis;
-
-  p_state : process (all) is
-
-    variable word_v : word_t;
-
-  begin
-
-    word_v := words(in_state, sts_status_c);
-    regs_in.status.state.next_q <= word_v(2 downto 0);
-    regs_in.status.released.next_q <= word_v(6 downto 4);
-    regs_in.status.run.next_q <= word_v(8);
-    regs_in.status.busy.next_q <= word_v(9);
-
-    word_v := words(in_state, sts_flags_c);
-    regs_in.axis_flags.clamped.next_q <= word_v(2 downto 0);
-    regs_in.axis_flags.saturated.next_q <= word_v(5 downto 3);
-    regs_in.axis_flags.limited.next_q <= word_v(8 downto 6);
-    regs_in.axis_flags.settled.next_q <= word_v(11 downto 9);
-    regs_in.axis_flags.referenced.next_q <= word_v(14 downto 12);
-    regs_in.axis_flags.illegal.next_q <= word_v(17 downto 15);
-    regs_in.axis_flags.glitch.next_q <= word_v(20 downto 18);
-    regs_in.axis_flags.speed_valid.next_q <= word_v(23 downto 21);
-    regs_in.axis_flags.speed_zero.next_q <= word_v(26 downto 24);
-
-    word_v := words(in_state, sts_control_c);
-    regs_in.control_now.enable.next_q <= word_v(cfg_enable_c);
-    regs_in.control_now.tick_enable.next_q <= word_v(cfg_tick_enable_c);
-    regs_in.control_now.home_enable.next_q <= word_v(cfg_home_c + axes_c - 1 downto cfg_home_c);
-
-    word_v := words(in_state, sts_load_c);
-    regs_in.load_status.bad.next_q <= word_v(2);
-    regs_in.load_status.waiting.next_q <= word_v(3);
-    regs_in.load_status.bank.next_q <= word_v(5 downto 4);
-
-    word_v := words(in_state, sts_cause_c);
-    regs_in.cause.value.next_q <= word_v(causes_c - 1 downto 0);
-
-    word_v := words(in_state, sts_first_cause_c);
-    regs_in.first_cause.value.next_q <= word_v(causes_c - 1 downto 0);
-
-    word_v := words(in_state, sts_fault_c);
-    regs_in.fault.estop.next_q <= word_v(cause_estop_c);
-    regs_in.fault.encoder.next_q <= word_v(cause_encoder_c);
-    regs_in.fault.crc.next_q <= word_v(cause_crc_c);
-    regs_in.fault.rom.next_q <= word_v(cause_rom_c);
-    regs_in.fault.speed.next_q <= word_v(cause_speed_c);
-    regs_in.fault.position.next_q <= word_v(cause_position_c);
-    regs_in.fault.saturation.next_q <= word_v(cause_saturation_c);
-    regs_in.fault.watchdog.next_q <= word_v(cause_watchdog_c);
-    regs_in.fault.result.next_q <= word_v(cause_result_c);
-    regs_in.fault.unreferenced.next_q <= word_v(cause_reference_c);
-
-  end process p_state;
 
   -- Interrupt
 
   p_events : process (clk) is
-
-    variable fault_v : word_t;
-
   begin
 
     if rising_edge(clk) then
@@ -354,24 +307,23 @@ begin
       new_missed <= '0';
       new_fault <= '0';
       if in_valid = '1' then
-        fault_v := words(in_state, sts_fault_c);
-        number <= words(in_state, sts_number_c);
-        missed <= words(in_state, sts_missed_c);
-        fault <= fault_v;
-        if number /= words(in_state, sts_number_c) then
+        number <= in_state.number;
+        missed <= in_state.missed;
+        fault <= in_state.fault;
+        if number /= in_state.number then
           new_result <= '1';
         end if;
-        if missed /= words(in_state, sts_missed_c) then
+        if missed /= in_state.missed then
           new_missed <= '1';
         end if;
-        if unsigned(fault_v and not fault) /= 0 then
+        if (in_state.fault and not fault) /= no_causes_c then
           new_fault <= '1';
         end if;
       end if;
       if rst = '1' then
         number <= (others => '0');
         missed <= (others => '0');
-        fault <= (others => '0');
+        fault <= no_causes_c;
         new_result <= '0';
         new_missed <= '0';
         new_fault <= '0';

@@ -3,7 +3,7 @@
 -- The core's side of gc_system, all in one clock: tick, gc_force_path, drive and safety.
 --
 -- One inference at a time: a tick or a start that finds one under way is not taken; a tick is then counted as missed.
--- Settings and state are words of gc_system_pkg. State tells of results only whole ones: position and speed are those
+-- State tells of results only whole ones: position and speed are those
 -- of the clock that started the inference, shown together with its forces.
 -- Latency from start to drive_current: those of gc_force_path and gc_drive; to the state 1 clock after gc_force_path.
 
@@ -54,14 +54,17 @@ end entity gc_core_side;
 
 architecture rtl of gc_core_side is
 
-  subtype axes_t is std_ulogic_vector(axes_c - 1 downto 0);
-
-  signal pulses        : word_t;
-  signal load          : load_t;
-  signal start         : std_ulogic;
-  signal kick          : std_ulogic;
-  signal clear_fault   : causes_t;
-  signal clear_encoder : std_ulogic;
+  signal index_position : flat_t;
+  signal window_low     : flat_t;
+  signal window_high    : flat_t;
+  signal start          : std_ulogic;
+  signal kick           : std_ulogic;
+  signal clear_encoder  : std_ulogic;
+  signal clear_fault    : causes_t;
+  signal load_begin     : std_ulogic;
+  signal load_valid     : std_ulogic;
+  signal load_commit    : std_ulogic;
+  signal load_rom       : std_ulogic;
 
   signal tick      : std_ulogic;
   signal missed    : unsigned(31 downto 0);
@@ -104,26 +107,31 @@ architecture rtl of gc_core_side is
   signal fault        : causes_t;
   signal first_cause  : causes_t;
   signal first_count  : signed(inputs_c * count_bits_c - 1 downto 0);
-  signal status       : word_t;
-  signal load_status  : word_t;
-  signal control_4    : std_ulogic_vector(7 downto 0);
+  signal control      : std_ulogic_vector(axes_c + 1 downto 0);
+  signal control_4    : std_ulogic_vector(axes_c + 1 downto 0);
 
 begin
 
-  pulses <= words(in_settings, 0) when in_valid = '1' else (others => '0');
-  start <= pulses(cfg_start_c);
-  kick <= pulses(cfg_kick_c);
-  clear_encoder <= pulses(cfg_clear_encoder_c);
-  clear_fault <= pulses(cfg_clear_fault_c + causes_c - 1 downto cfg_clear_fault_c);
+  index_position <= flat(in_settings.index_position);
+  window_low <= flat(in_settings.window_low);
+  window_high <= flat(in_settings.window_high);
 
-  load <= in_load when in_load_valid = '1' else (others => '0');
+  -- A command counts once, in the clock in which it comes.
+  start <= in_settings.commands.start and in_valid;
+  kick <= in_settings.commands.kick and in_valid;
+  clear_encoder <= in_settings.commands.clear_encoder and in_valid;
+  clear_fault <= in_settings.commands.clear_fault when in_valid = '1' else no_causes_c;
+  load_begin <= in_load.begin_image and in_load_valid;
+  load_valid <= in_load.is_word and in_load_valid;
+  load_commit <= in_load.commit and in_load_valid;
+  load_rom <= in_load.use_rom and in_load_valid;
 
   i_tick : entity work.gc_tick
     port map (
       clk        => clk,
       rst        => rst,
-      cfg_enable => in_settings(cfg_tick_enable_c),
-      cfg_clocks => unsigned(words(in_settings, cfg_tick_clocks_c)),
+      cfg_enable => in_settings.tick_enable,
+      cfg_clocks => unsigned(in_settings.tick_clocks),
       in_ready   => idle,
       out_valid  => tick,
       sts_missed => missed
@@ -145,8 +153,8 @@ begin
       pin_a              => pin_a,
       pin_b              => pin_b,
       pin_z              => pin_z,
-      cfg_home_enable    => in_settings(cfg_home_c + axes_c - 1 downto cfg_home_c),
-      cfg_index_position => signed(words(in_settings, cfg_index_c, axes_c)),
+      cfg_home_enable    => in_settings.home,
+      cfg_index_position => index_position,
       cfg_clear          => clear_encoder,
       in_valid           => begins,
       in_ready           => top_ready,
@@ -163,12 +171,12 @@ begin
       sts_referenced     => referenced,
       sts_illegal        => illegal,
       sts_glitch         => glitch,
-      load_begin         => load(load_begin_c),
-      load_valid         => load(load_word_c),
-      load_word          => load(31 downto 0),
-      load_commit        => load(load_commit_c),
-      load_crc           => load(31 downto 0),
-      load_rom           => load(load_rom_c),
+      load_begin         => load_begin,
+      load_valid         => load_valid,
+      load_word          => in_load.word,
+      load_commit        => load_commit,
+      load_crc           => in_load.word,
+      load_rom           => load_rom,
       sts_load_bad       => load_bad,
       sts_load_waiting   => load_waiting,
       sts_bank           => bank,
@@ -192,7 +200,7 @@ begin
         result_period <= start_period;
       end if;
       rom_bad <= '0';
-      if bank = "00" and words(in_settings, cfg_weights_c) /= words(weights_hash_c, 7) then
+      if bank = "00" and in_settings.weights /= weights_hash_c(weights_hash_c'high downto weights_hash_c'high - 31) then
         rom_bad <= '1';
       end if;
       if rst = '1' then
@@ -212,8 +220,8 @@ begin
       run         => run,
       in_valid    => path_valid,
       in_current  => current,
-      cfg_limit   => resize(unsigned(words(in_settings, cfg_limit_c)), 31),
-      cfg_slew    => resize(unsigned(words(in_settings, cfg_slew_c)), 31),
+      cfg_limit   => unsigned(in_settings.current_limit),
+      cfg_slew    => unsigned(in_settings.current_slew),
       out_valid   => drive_valid,
       out_current => command,
       out_limited => limited,
@@ -225,7 +233,7 @@ begin
       clk                   => clk,
       rst                   => rst,
       estop_n               => estop_n,
-      enable                => in_settings(cfg_enable_c),
+      enable                => in_settings.enable,
       clear                 => clear_fault,
       kick                  => kick,
       in_count              => count,
@@ -238,13 +246,13 @@ begin
       in_settled            => settled,
       in_crc_bad            => load_bad,
       in_rom_bad            => rom_bad,
-      cfg_count_low         => signed(words(in_settings, cfg_low_c, axes_c)),
-      cfg_count_high        => signed(words(in_settings, cfg_high_c, axes_c)),
-      cfg_period_min        => resize(unsigned(words(in_settings, cfg_period_min_c)), 31),
-      cfg_saturation_clocks => unsigned(words(in_settings, cfg_saturation_c)),
-      cfg_watchdog_clocks   => unsigned(words(in_settings, cfg_watchdog_c)),
-      cfg_result_clocks     => unsigned(words(in_settings, cfg_result_c)),
-      cfg_brake_clocks      => unsigned(words(in_settings, cfg_brake_c)),
+      cfg_count_low         => window_low,
+      cfg_count_high        => window_high,
+      cfg_period_min        => unsigned(in_settings.period_min),
+      cfg_saturation_clocks => unsigned(in_settings.saturation_clocks),
+      cfg_watchdog_clocks   => unsigned(in_settings.watchdog_clocks),
+      cfg_result_clocks     => unsigned(in_settings.result_clocks),
+      cfg_brake_clocks      => unsigned(in_settings.brake_clocks),
       run                   => run,
       brake_release         => released,
       sts_state             => safety_state,
@@ -258,45 +266,56 @@ begin
   drive_enable <= run;
   brake_release <= released;
 
-  g_force : for i in 0 to axes_c - 1 generate
-    result_force(32 * i + 31 downto 32 * i) <= resize(force_mn((i + 1) * force_bits_c - 1 downto i * force_bits_c), 32);
-  end generate g_force;
-
-  status <= x"00000" & "00" & busy & run & '0' & released & '0' & safety_state;
-
   -- Late enough that the rest of the state shows what it did.
+  control <= in_settings.home & in_settings.tick_enable & in_settings.enable;
+
   i_control : entity work.gc_delay
     generic map (
-      bits_g   => control_4'length,
+      bits_g   => control'length,
       clocks_g => 4
     )
     port map (
       clk      => clk,
-      in_data  => in_settings(control_4'range),
+      in_data  => control,
       out_data => control_4
     );
 
-  load_status <= x"000000" & "00" & bank & load_waiting & load_bad & "00";
+  g_force : for i in 0 to axes_c - 1 generate
+    result_force(32 * i + 31 downto 32 * i) <= resize(force_mn((i + 1) * force_bits_c - 1 downto i * force_bits_c), 32);
+  end generate g_force;
 
-  -- from sts_bank_crc_c down to sts_number_c
-  out_state <= bank_crc
-               & load_status
-               & x"000000" & control_4
-               & std_ulogic_vector(first_count)
-               & std_ulogic_vector(count)
-               & std_ulogic_vector(command)
-               & std_ulogic_vector(current)
-               & std_ulogic_vector(result_force)
-               & std_ulogic_vector(result_period)
-               & std_ulogic_vector(result_count)
-               & std_ulogic_vector(resize(unsigned(first_cause), 32))
-               & std_ulogic_vector(resize(unsigned(fault), 32))
-               & std_ulogic_vector(resize(unsigned(cause), 32))
-               & "00000" & speed_zero & speed_valid & glitch & illegal & referenced & settled & limited & saturated
-               & clamped
-               & status
-               & std_ulogic_vector(missed)
-               & std_ulogic_vector(number);
+  out_state.number <= std_ulogic_vector(number);
+  out_state.missed <= std_ulogic_vector(missed);
+  out_state.safety <= safety_state;
+  out_state.released <= released;
+  out_state.run <= run;
+  out_state.busy <= busy;
+  out_state.clamped <= clamped;
+  out_state.saturated <= saturated;
+  out_state.limited <= limited;
+  out_state.settled <= settled;
+  out_state.referenced <= referenced;
+  out_state.illegal <= illegal;
+  out_state.glitch <= glitch;
+  out_state.speed_valid <= speed_valid;
+  out_state.speed_zero <= speed_zero;
+  out_state.position <= by_axis(result_count);
+  out_state.period <= by_axis(result_period);
+  out_state.force_mn <= by_axis(result_force);
+  out_state.current <= by_axis(current);
+  out_state.command <= by_axis(command);
+  out_state.position_now <= by_axis(count);
+  out_state.cause <= cause;
+  out_state.fault <= fault;
+  out_state.first_cause <= first_cause;
+  out_state.first_position <= by_axis(first_count);
+  out_state.enable <= control_4(0);
+  out_state.tick_enable <= control_4(1);
+  out_state.home <= control_4(control_4'high downto 2);
+  out_state.load_bad <= load_bad;
+  out_state.load_waiting <= load_waiting;
+  out_state.bank <= bank;
+  out_state.bank_crc <= bank_crc;
 
   -- In the clock of path_valid the forces are already those of the next number.
   out_valid <= not path_valid;

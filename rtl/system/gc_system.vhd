@@ -76,19 +76,25 @@ architecture rtl of gc_system is
   signal running : std_ulogic;
   signal rst     : std_ulogic;
 
-  signal axi_settings   : settings_t;
-  signal axi_ready      : std_ulogic;
-  signal axi_state      : state_t;
-  signal axi_valid      : std_ulogic;
-  signal axi_load       : load_t;
-  signal axi_load_valid : std_ulogic;
-  signal axi_load_ready : std_ulogic;
-  signal core_settings  : settings_t;
-  signal settings_valid : std_ulogic;
-  signal core_load      : load_t;
-  signal load_valid     : std_ulogic;
-  signal core_state     : state_t;
-  signal state_valid    : std_ulogic;
+  signal axi_settings       : settings_t;
+  signal axi_settings_word  : settings_word_t;
+  signal axi_ready          : std_ulogic;
+  signal axi_load           : load_t;
+  signal axi_load_word      : load_word_t;
+  signal axi_load_valid     : std_ulogic;
+  signal axi_load_ready     : std_ulogic;
+  signal axi_state          : state_t;
+  signal axi_state_word     : state_word_t;
+  signal axi_valid          : std_ulogic;
+  signal core_settings      : settings_t;
+  signal core_settings_word : settings_word_t;
+  signal settings_valid     : std_ulogic;
+  signal core_load          : load_t;
+  signal core_load_word     : load_word_t;
+  signal load_valid         : std_ulogic;
+  signal core_state         : state_t;
+  signal core_state_word    : state_word_t;
+  signal state_valid        : std_ulogic;
 
 begin
 
@@ -148,34 +154,40 @@ begin
       in_state      => axi_state
     );
 
+  axi_settings_word <= to_word(axi_settings);
+  core_settings <= to_settings(core_settings_word);
+
   i_settings : entity work.gc_crossing_bus
     generic map (
-      width_g => settings_t'length
+      width_g => settings_word_t'length
     )
     port map (
       in_clk    => s_axi_aclk,
       in_valid  => '1',
       in_ready  => axi_ready,
-      in_data   => axi_settings,
+      in_data   => axi_settings_word,
       out_clk   => clk,
       out_rst   => rst,
       out_valid => settings_valid,
-      out_data  => core_settings
+      out_data  => core_settings_word
     );
+
+  axi_load_word <= to_word(axi_load);
+  core_load <= to_load(core_load_word);
 
   i_load : entity work.gc_crossing_bus
     generic map (
-      width_g => load_t'length
+      width_g => load_word_t'length
     )
     port map (
       in_clk    => s_axi_aclk,
       in_valid  => axi_load_valid,
       in_ready  => axi_load_ready,
-      in_data   => axi_load,
+      in_data   => axi_load_word,
       out_clk   => clk,
       out_rst   => rst,
       out_valid => load_valid,
-      out_data  => core_load
+      out_data  => core_load_word
     );
 
   i_core_side : entity work.gc_core_side
@@ -204,19 +216,22 @@ begin
       out_state     => core_state
     );
 
+  core_state_word <= to_word(core_state);
+  axi_state <= to_state(axi_state_word);
+
   i_state : entity work.gc_crossing_bus
     generic map (
-      width_g => state_t'length
+      width_g => state_word_t'length
     )
     port map (
       in_clk    => clk,
       in_valid  => state_valid,
       in_ready  => open,
-      in_data   => core_state,
+      in_data   => core_state_word,
       out_clk   => s_axi_aclk,
       out_rst   => axi_rst,
       out_valid => axi_valid,
-      out_data  => axi_state
+      out_data  => axi_state_word
     );
 
 end architecture rtl;

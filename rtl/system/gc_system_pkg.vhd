@@ -1,10 +1,14 @@
 -- SPDX-License-Identifier: MIT
 --
--- The words that cross between the clock of the registers and that of the core: settings and commands one way, state
--- the other. Word k of a bus is bits 32 k + 31 .. 32 k; three axes are three words, axis 1 first.
+-- What crosses between the clock of the registers and that of the core, as records: settings, commands and what is
+-- loaded one way, state the other; and each record as one word and back. Nothing else knows where a field is in a word.
 
 library ieee;
   use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_safety_pkg.all;
 
 package gc_system_pkg is
 
@@ -12,85 +16,473 @@ package gc_system_pkg is
 
   subtype word_t is std_ulogic_vector(31 downto 0);
 
-  -- Settings: bits of word 0, then words.
-  constant cfg_enable_c        : natural := 0;
-  constant cfg_tick_enable_c   : natural := 1;
-  -- one bit per axis
-  constant cfg_home_c          : natural := 4;
-  -- one clock each
-  constant cfg_start_c         : natural := 8;
-  constant cfg_kick_c          : natural := 9;
-  constant cfg_clear_encoder_c : natural := 10;
-  -- one bit per cause
-  constant cfg_clear_fault_c   : natural := 16;
+  -- Without a sign.
 
-  constant cfg_tick_clocks_c : natural := 1;
-  constant cfg_weights_c     : natural := 2;
-  constant cfg_limit_c       : natural := 3;
-  constant cfg_slew_c        : natural := 4;
-  constant cfg_period_min_c  : natural := 5;
-  constant cfg_saturation_c  : natural := 6;
-  constant cfg_watchdog_c    : natural := 7;
-  constant cfg_result_c      : natural := 8;
-  constant cfg_brake_c       : natural := 9;
-  constant cfg_index_c       : natural := 10;
-  constant cfg_low_c         : natural := 13;
-  constant cfg_high_c        : natural := 16;
-  constant cfg_words_c       : natural := 19;
+  subtype magnitude_t is std_ulogic_vector(30 downto 0);
 
-  subtype settings_t is std_ulogic_vector(32 * cfg_words_c - 1 downto 0);
+  -- A bit per axis, axis 1 lowest; a word per axis, axis 1 first.
 
-  -- State: words; status, flags, control and load have the bits of the registers.
-  constant sts_number_c         : natural := 0;
-  constant sts_missed_c         : natural := 1;
-  constant sts_status_c         : natural := 2;
-  constant sts_flags_c          : natural := 3;
-  constant sts_cause_c          : natural := 4;
-  constant sts_fault_c          : natural := 5;
-  constant sts_first_cause_c    : natural := 6;
-  constant sts_position_c       : natural := 7;
-  constant sts_period_c         : natural := 10;
-  constant sts_force_c          : natural := 13;
-  constant sts_current_c        : natural := 16;
-  constant sts_command_c        : natural := 19;
-  constant sts_position_now_c   : natural := 22;
-  constant sts_first_position_c : natural := 25;
-  constant sts_control_c        : natural := 28;
-  constant sts_load_c           : natural := 29;
-  constant sts_bank_crc_c       : natural := 30;
-  constant sts_words_c          : natural := 31;
+  subtype axes_t is std_ulogic_vector(axes_c - 1 downto 0);
 
-  subtype state_t is std_ulogic_vector(32 * sts_words_c - 1 downto 0);
+  type axis_words_t is array (0 to axes_c - 1) of word_t;
 
-  -- What is loaded: a word of the image or, beside a command, its CRC, and which of these it is.
-  constant load_word_c   : natural := 32;
-  constant load_begin_c  : natural := 33;
-  constant load_commit_c : natural := 34;
-  constant load_rom_c    : natural := 35;
+  -- What is loaded: a word of the image or, beside a command, its CRC; and which of these it is, if any.
 
-  subtype load_t is std_ulogic_vector(35 downto 0);
+  type load_t is record
+    word        : word_t;
+    is_word     : std_ulogic;
+    begin_image : std_ulogic;
+    commit      : std_ulogic;
+    use_rom     : std_ulogic;
+  end record load_t;
 
-  -- Words number k to k + n - 1 of a bus.
+  -- One clock each in the core; clear_fault has a bit per cause.
 
-  function words (
-    bus_word : std_ulogic_vector;
-    k        : natural;
-    n        : positive := 1
-  ) return std_ulogic_vector;
+  type commands_t is record
+    start         : std_ulogic;
+    kick          : std_ulogic;
+    clear_encoder : std_ulogic;
+    clear_fault   : causes_t;
+  end record commands_t;
+
+  constant no_commands_c : commands_t := ('0', '0', '0', no_causes_c);
+
+  type settings_t is record
+    enable            : std_ulogic;
+    tick_enable       : std_ulogic;
+    home              : axes_t;
+    tick_clocks       : word_t;
+    weights           : word_t;
+    current_limit     : magnitude_t;
+    current_slew      : magnitude_t;
+    period_min        : magnitude_t;
+    saturation_clocks : word_t;
+    watchdog_clocks   : word_t;
+    result_clocks     : word_t;
+    brake_clocks      : word_t;
+    index_position    : axis_words_t;
+    window_low        : axis_words_t;
+    window_high       : axis_words_t;
+    commands          : commands_t;
+  end record settings_t;
+
+  -- Fields as the registers of the same names.
+
+  type state_t is record
+    number         : word_t;
+    missed         : word_t;
+    safety         : safety_state_t;
+    released       : axes_t;
+    run            : std_ulogic;
+    busy           : std_ulogic;
+    clamped        : axes_t;
+    saturated      : axes_t;
+    limited        : axes_t;
+    settled        : axes_t;
+    referenced     : axes_t;
+    illegal        : axes_t;
+    glitch         : axes_t;
+    speed_valid    : axes_t;
+    speed_zero     : axes_t;
+    position       : axis_words_t;
+    period         : axis_words_t;
+    force_mn       : axis_words_t;
+    current        : axis_words_t;
+    command        : axis_words_t;
+    position_now   : axis_words_t;
+    cause          : causes_t;
+    fault          : causes_t;
+    first_cause    : causes_t;
+    first_position : axis_words_t;
+    enable         : std_ulogic;
+    tick_enable    : std_ulogic;
+    home           : axes_t;
+    load_bad       : std_ulogic;
+    load_waiting   : std_ulogic;
+    bank           : std_ulogic_vector(1 downto 0);
+    bank_crc       : word_t;
+  end record state_t;
+
+  -- The sums of the bits of all fields.
+
+  subtype load_word_t is std_ulogic_vector(32 + 4 - 1 downto 0);
+
+  subtype settings_word_t is std_ulogic_vector(
+    2 + axes_c + 6 * 32 + 3 * 31 + 3 * 32 * axes_c + 3 + causes_c - 1 downto 0
+  );
+
+  subtype state_word_t is std_ulogic_vector(
+    3 * 32 + safety_state_t'length + 8 + 11 * axes_c + 7 * 32 * axes_c + 3 * causes_c - 1 downto 0
+  );
+
+  function "or" (
+    left  : commands_t;
+    right : commands_t
+  ) return commands_t;
+
+  function to_word (
+    load : load_t
+  ) return load_word_t;
+
+  function to_word (
+    settings : settings_t
+  ) return settings_word_t;
+
+  function to_word (
+    state : state_t
+  ) return state_word_t;
+
+  function to_load (
+    word : load_word_t
+  ) return load_t;
+
+  function to_settings (
+    word : settings_word_t
+  ) return settings_t;
+
+  function to_state (
+    word : state_word_t
+  ) return state_t;
+
+  -- Words of all axes side by side, axis 1 lowest, and back.
+
+  subtype flat_t is signed(32 * axes_c - 1 downto 0);
+
+  function flat (
+    words : axis_words_t
+  ) return flat_t;
+
+  function by_axis (
+    words : flat_t
+  ) return axis_words_t;
 
 end package gc_system_pkg;
 
 package body gc_system_pkg is
 
-  function words (
-    bus_word : std_ulogic_vector;
-    k        : natural;
-    n        : positive := 1
-  ) return std_ulogic_vector is
+  -- A field into a word from above, and out of it from below: whole fields, in the same order, find their places again.
+
+  procedure put (
+    variable word : inout std_ulogic_vector;
+    field         : std_ulogic
+  ) is
   begin
 
-    return bus_word(32 * (k + n) - 1 downto 32 * k);
+    word := field & word(word'high downto 1);
 
-  end function words;
+  end procedure put;
+
+  procedure put (
+    variable word : inout std_ulogic_vector;
+    field         : std_ulogic_vector
+  ) is
+  begin
+
+    word := field & word(word'high downto field'length);
+
+  end procedure put;
+
+  procedure put (
+    variable word : inout std_ulogic_vector;
+    field         : axis_words_t
+  ) is
+  begin
+
+    for i in axis_words_t'range loop
+
+      put(word, field(i));
+
+    end loop;
+
+  end procedure put;
+
+  procedure take (
+    variable word  : inout std_ulogic_vector;
+    variable field : out std_ulogic
+  ) is
+  begin
+
+    field := word(0);
+    word := '0' & word(word'high downto 1);
+
+  end procedure take;
+
+  procedure take (
+    variable word  : inout std_ulogic_vector;
+    variable field : out std_ulogic_vector
+  ) is
+
+    constant none_c : std_ulogic_vector(field'length - 1 downto 0) := (others => '0');
+
+  begin
+
+    field := word(field'length - 1 downto 0);
+    word := none_c & word(word'high downto field'length);
+
+  end procedure take;
+
+  procedure take (
+    variable word  : inout std_ulogic_vector;
+    variable field : out axis_words_t
+  ) is
+  begin
+
+    for i in axis_words_t'range loop
+
+      take(word, field(i));
+
+    end loop;
+
+  end procedure take;
+
+  function "or" (
+    left  : commands_t;
+    right : commands_t
+  ) return commands_t is
+
+    variable either_v : commands_t;
+
+  begin
+
+    either_v.start := left.start or right.start;
+    either_v.kick := left.kick or right.kick;
+    either_v.clear_encoder := left.clear_encoder or right.clear_encoder;
+    either_v.clear_fault := left.clear_fault or right.clear_fault;
+
+    return either_v;
+
+  end function "or";
+
+  function to_word (
+    load : load_t
+  ) return load_word_t is
+
+    variable word_v : load_word_t := (others => '0');
+
+  begin
+
+    put(word_v, load.word);
+    put(word_v, load.is_word);
+    put(word_v, load.begin_image);
+    put(word_v, load.commit);
+    put(word_v, load.use_rom);
+
+    return word_v;
+
+  end function to_word;
+
+  function to_word (
+    settings : settings_t
+  ) return settings_word_t is
+
+    variable word_v : settings_word_t := (others => '0');
+
+  begin
+
+    put(word_v, settings.enable);
+    put(word_v, settings.tick_enable);
+    put(word_v, settings.home);
+    put(word_v, settings.tick_clocks);
+    put(word_v, settings.weights);
+    put(word_v, settings.current_limit);
+    put(word_v, settings.current_slew);
+    put(word_v, settings.period_min);
+    put(word_v, settings.saturation_clocks);
+    put(word_v, settings.watchdog_clocks);
+    put(word_v, settings.result_clocks);
+    put(word_v, settings.brake_clocks);
+    put(word_v, settings.index_position);
+    put(word_v, settings.window_low);
+    put(word_v, settings.window_high);
+    put(word_v, settings.commands.start);
+    put(word_v, settings.commands.kick);
+    put(word_v, settings.commands.clear_encoder);
+    put(word_v, settings.commands.clear_fault);
+
+    return word_v;
+
+  end function to_word;
+
+  function to_word (
+    state : state_t
+  ) return state_word_t is
+
+    variable word_v : state_word_t := (others => '0');
+
+  begin
+
+    put(word_v, state.number);
+    put(word_v, state.missed);
+    put(word_v, state.safety);
+    put(word_v, state.released);
+    put(word_v, state.run);
+    put(word_v, state.busy);
+    put(word_v, state.clamped);
+    put(word_v, state.saturated);
+    put(word_v, state.limited);
+    put(word_v, state.settled);
+    put(word_v, state.referenced);
+    put(word_v, state.illegal);
+    put(word_v, state.glitch);
+    put(word_v, state.speed_valid);
+    put(word_v, state.speed_zero);
+    put(word_v, state.position);
+    put(word_v, state.period);
+    put(word_v, state.force_mn);
+    put(word_v, state.current);
+    put(word_v, state.command);
+    put(word_v, state.position_now);
+    put(word_v, state.cause);
+    put(word_v, state.fault);
+    put(word_v, state.first_cause);
+    put(word_v, state.first_position);
+    put(word_v, state.enable);
+    put(word_v, state.tick_enable);
+    put(word_v, state.home);
+    put(word_v, state.load_bad);
+    put(word_v, state.load_waiting);
+    put(word_v, state.bank);
+    put(word_v, state.bank_crc);
+
+    return word_v;
+
+  end function to_word;
+
+  function to_load (
+    word : load_word_t
+  ) return load_t is
+
+    variable left_v   : load_word_t;
+    variable fields_v : load_t;
+
+  begin
+
+    left_v := word;
+    take(left_v, fields_v.word);
+    take(left_v, fields_v.is_word);
+    take(left_v, fields_v.begin_image);
+    take(left_v, fields_v.commit);
+    take(left_v, fields_v.use_rom);
+
+    return fields_v;
+
+  end function to_load;
+
+  function to_settings (
+    word : settings_word_t
+  ) return settings_t is
+
+    variable left_v   : settings_word_t;
+    variable fields_v : settings_t;
+
+  begin
+
+    left_v := word;
+    take(left_v, fields_v.enable);
+    take(left_v, fields_v.tick_enable);
+    take(left_v, fields_v.home);
+    take(left_v, fields_v.tick_clocks);
+    take(left_v, fields_v.weights);
+    take(left_v, fields_v.current_limit);
+    take(left_v, fields_v.current_slew);
+    take(left_v, fields_v.period_min);
+    take(left_v, fields_v.saturation_clocks);
+    take(left_v, fields_v.watchdog_clocks);
+    take(left_v, fields_v.result_clocks);
+    take(left_v, fields_v.brake_clocks);
+    take(left_v, fields_v.index_position);
+    take(left_v, fields_v.window_low);
+    take(left_v, fields_v.window_high);
+    take(left_v, fields_v.commands.start);
+    take(left_v, fields_v.commands.kick);
+    take(left_v, fields_v.commands.clear_encoder);
+    take(left_v, fields_v.commands.clear_fault);
+
+    return fields_v;
+
+  end function to_settings;
+
+  function to_state (
+    word : state_word_t
+  ) return state_t is
+
+    variable left_v   : state_word_t;
+    variable fields_v : state_t;
+
+  begin
+
+    left_v := word;
+    take(left_v, fields_v.number);
+    take(left_v, fields_v.missed);
+    take(left_v, fields_v.safety);
+    take(left_v, fields_v.released);
+    take(left_v, fields_v.run);
+    take(left_v, fields_v.busy);
+    take(left_v, fields_v.clamped);
+    take(left_v, fields_v.saturated);
+    take(left_v, fields_v.limited);
+    take(left_v, fields_v.settled);
+    take(left_v, fields_v.referenced);
+    take(left_v, fields_v.illegal);
+    take(left_v, fields_v.glitch);
+    take(left_v, fields_v.speed_valid);
+    take(left_v, fields_v.speed_zero);
+    take(left_v, fields_v.position);
+    take(left_v, fields_v.period);
+    take(left_v, fields_v.force_mn);
+    take(left_v, fields_v.current);
+    take(left_v, fields_v.command);
+    take(left_v, fields_v.position_now);
+    take(left_v, fields_v.cause);
+    take(left_v, fields_v.fault);
+    take(left_v, fields_v.first_cause);
+    take(left_v, fields_v.first_position);
+    take(left_v, fields_v.enable);
+    take(left_v, fields_v.tick_enable);
+    take(left_v, fields_v.home);
+    take(left_v, fields_v.load_bad);
+    take(left_v, fields_v.load_waiting);
+    take(left_v, fields_v.bank);
+    take(left_v, fields_v.bank_crc);
+
+    return fields_v;
+
+  end function to_state;
+
+  function flat (
+    words : axis_words_t
+  ) return flat_t is
+
+    variable flat_v : flat_t;
+
+  begin
+
+    for i in axis_words_t'range loop
+
+      flat_v(32 * i + 31 downto 32 * i) := signed(words(i));
+
+    end loop;
+
+    return flat_v;
+
+  end function flat;
+
+  function by_axis (
+    words : flat_t
+  ) return axis_words_t is
+
+    variable words_v : axis_words_t;
+
+  begin
+
+    for i in axis_words_t'range loop
+
+      words_v(i) := std_ulogic_vector(words(32 * i + 31 downto 32 * i));
+
+    end loop;
+
+    return words_v;
+
+  end function by_axis;
 
 end package body gc_system_pkg;

@@ -8,6 +8,7 @@ library ieee;
 
 library work;
   use work.gc_network_pkg.all;
+  use work.gc_system_pkg.all;
 
 entity gc_system_bench is
   generic (
@@ -62,6 +63,22 @@ architecture sim of gc_system_bench is
   signal b          : std_ulogic_vector(inputs_c - 1 downto 0);
   signal z          : std_ulogic_vector(inputs_c - 1 downto 0);
   signal true_count : signed(inputs_c * 32 - 1 downto 0);
+
+  -- The test writes a word that crosses to *_bits, and reads its fields: cocotb sees no records.
+  signal state_bits     : state_word_t;
+  signal state          : state_t;
+  signal state_number   : word_t;
+  signal state_position : flat_t;
+  signal state_period   : flat_t;
+  signal state_force    : flat_t;
+  signal state_current  : flat_t;
+  signal settings_bits  : settings_word_t;
+  signal settings       : settings_t;
+  signal settings_home  : axes_t;
+  signal load_bits      : load_word_t;
+  signal loads          : load_t;
+  signal load_kinds     : std_ulogic_vector(3 downto 0);
+  signal load_word      : word_t;
 
 begin
 
@@ -126,5 +143,19 @@ begin
       drive_enable  => drive_enable,
       brake_release => brake_release
     );
+
+  state <= to_state(state_bits);
+  state_number <= state.number;
+  state_position <= flat(state.position);
+  state_period <= flat(state.period);
+  state_force <= flat(state.force_mn);
+  state_current <= flat(state.current);
+
+  settings <= to_settings(settings_bits);
+  settings_home <= settings.home;
+
+  loads <= to_load(load_bits);
+  load_kinds <= loads.use_rom & loads.commit & loads.begin_image & loads.is_word;
+  load_word <= loads.word;
 
 end architecture sim;

@@ -1,0 +1,182 @@
+-- SPDX-License-Identifier: MIT
+--
+-- The records of gc_system_pkg to words and back, for the simulator. Every field has a value of its own.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_safety_pkg.all;
+  use work.gc_system_pkg.all;
+
+entity gc_words_bench is
+  port (
+    -- Bit of each word to invert; none when it is beyond the word.
+    flip              : in    natural;
+    settings_bits     : out   natural;
+    state_bits        : out   natural;
+    load_bits         : out   natural;
+    -- The record that comes back is the one that went.
+    settings_equal    : out   std_ulogic;
+    state_equal       : out   std_ulogic;
+    load_equal        : out   std_ulogic;
+    -- So is the word, with its inverted bit.
+    settings_reversed : out   std_ulogic;
+    state_reversed    : out   std_ulogic;
+    load_reversed     : out   std_ulogic
+  );
+end entity gc_words_bench;
+
+architecture sim of gc_words_bench is
+
+  -- A value of its own for every field, from a number of its own: the bits of a multiple of the golden ratio.
+
+  function value (
+    number : natural;
+    bits   : positive
+  ) return std_ulogic_vector is
+
+    variable all_v : unsigned(63 downto 0);
+
+  begin
+
+    all_v := to_unsigned(number, 32) * x"9E3779B9";
+
+    return std_ulogic_vector(all_v(bits - 1 downto 0));
+
+  end function value;
+
+  function axis_values (
+    number : natural
+  ) return axis_words_t is
+
+    variable words_v : axis_words_t;
+
+  begin
+
+    for i in axis_words_t'range loop
+
+      words_v(i) := value(number + 100 * i, 32);
+
+    end loop;
+
+    return words_v;
+
+  end function axis_values;
+
+  constant commands_c : commands_t :=
+  (
+    start         => '1',
+    kick          => '0',
+    clear_encoder => '1',
+    clear_fault   => value(1, causes_c)
+  );
+
+  constant settings_c : settings_t :=
+  (
+    enable            => '1',
+    tick_enable       => '0',
+    home              => "110",
+    tick_clocks       => value(2, 32),
+    weights           => value(3, 32),
+    current_limit     => value(4, 31),
+    current_slew      => value(5, 31),
+    period_min        => value(6, 31),
+    saturation_clocks => value(7, 32),
+    watchdog_clocks   => value(8, 32),
+    result_clocks     => value(9, 32),
+    brake_clocks      => value(10, 32),
+    index_position    => axis_values(11),
+    window_low        => axis_values(12),
+    window_high       => axis_values(13),
+    commands          => commands_c
+  );
+
+  constant state_c : state_t :=
+  (
+    number         => value(20, 32),
+    missed         => value(21, 32),
+    safety         => state_run_c,
+    released       => "001",
+    run            => '1',
+    busy           => '0',
+    clamped        => "010",
+    saturated      => "011",
+    limited        => "100",
+    settled        => "101",
+    referenced     => "110",
+    illegal        => "001",
+    glitch         => "100",
+    speed_valid    => "011",
+    speed_zero     => "010",
+    position       => axis_values(22),
+    period         => axis_values(23),
+    force_mn       => axis_values(24),
+    current        => axis_values(25),
+    command        => axis_values(26),
+    position_now   => axis_values(27),
+    cause          => value(28, causes_c),
+    fault          => value(29, causes_c),
+    first_cause    => value(30, causes_c),
+    first_position => axis_values(31),
+    enable         => '1',
+    tick_enable    => '0',
+    home           => "101",
+    load_bad       => '1',
+    load_waiting   => '0',
+    bank           => "10",
+    bank_crc       => value(32, 32)
+  );
+
+  constant load_c : load_t :=
+  (
+    word        => value(40, 32),
+    is_word     => '1',
+    begin_image => '0',
+    commit      => '1',
+    use_rom     => '0'
+  );
+
+  function flipped (
+    word : std_ulogic_vector;
+    k    : natural
+  ) return std_ulogic_vector is
+
+    variable word_v : std_ulogic_vector(word'length - 1 downto 0);
+
+  begin
+
+    word_v := word;
+
+    if k < word'length then
+      word_v(k) := not word_v(k);
+    end if;
+
+    return word_v;
+
+  end function flipped;
+
+  signal settings : settings_word_t;
+  signal state    : state_word_t;
+  signal load     : load_word_t;
+
+begin
+
+  settings <= flipped(to_word(settings_c), flip);
+  state <= flipped(to_word(state_c), flip);
+  load <= flipped(to_word(load_c), flip);
+
+  settings_bits <= settings'length;
+  state_bits <= state'length;
+  load_bits <= load'length;
+
+  settings_equal <= '1' when to_settings(settings) = settings_c else '0';
+  state_equal <= '1' when to_state(state) = state_c else '0';
+  load_equal <= '1' when to_load(load) = load_c else '0';
+
+  settings_reversed <= '1' when to_word(to_settings(settings)) = settings else '0';
+  state_reversed <= '1' when to_word(to_state(state)) = state else '0';
+  load_reversed <= '1' when to_word(to_load(load)) = load else '0';
+
+end architecture sim;
