@@ -8,7 +8,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate coverage test test-fast train table1 rom regs system hil budget latency formats docs loop blind table2 lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate coverage test test-fast train table1 rom regs system hil budget latency formats docs docs-site loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -21,15 +21,15 @@ sim: setup ## the main job: robot poses through the encoder pins of the VHDL und
 	@$(PYTEST) -v tb/test_rtl_force_path.py -k "poses_of_the_workspace or continuous_motion or waveform"
 	@$(LAB) sim-report --weights "$(WEIGHTS)"
 
-formal: setup ## what is proven about the hardware, for every input and without a bound; docs/formal.md says how
-	@$(LAB) formal --docs docs
+formal: setup ## what is proven about the hardware, for every input and without a bound; docs/measured/formal.md says how
+	@$(LAB) formal --docs docs/measured
 
-mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each? Two hours; docs/mutation.md
-	@$(LAB) mutate --docs docs
+mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each? Two hours; docs/measured/mutation.md
+	@$(LAB) mutate --docs docs/measured
 
-coverage: ## the statements of the VHDL that the tests run; docs/coverage.md
+coverage: ## the statements of the VHDL that the tests run; docs/measured/coverage.md
 	@scripts/setup.sh ghdl-gcc
-	@$(LAB) coverage --docs docs
+	@$(LAB) coverage --docs docs/measured
 
 test: setup ## all tests but the long ones of the netlists, for which see gatesim
 	@$(PYTEST) -q -n auto
@@ -54,9 +54,9 @@ system: setup ## gc_system: registers, interrupt, results on two clocks; path la
 	@$(PYTEST) -q tb/test_rtl_system.py
 	@sed -n 's/^MEASURED //p' build/tb/test_rtl_system-path_latency-lanes_g4/run.log
 
-hil: setup ## the robot in the physics engine and gc_system in one simulation: PID with and without the core, faults; docs/hil.md
+hil: setup ## the robot in the physics engine and gc_system in one simulation: PID with and without the core, faults; docs/measured/hil.md
 	@HIL=full $(PYTEST) -s tb/test_rtl_hil.py
-	@$(LAB) hil-report --docs docs
+	@$(LAB) hil-report --docs docs/measured
 
 budget: setup ## operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics
 	@$(PYTEST) -q tb/test_rtl_budget.py
@@ -69,13 +69,17 @@ latency: setup ## initiation interval and latency per number of lanes, measured 
 formats: setup ## what every signal of the core can hold over all counts; fixed point against float
 	@$(RUN)/gravcomp formats --weights "$(WEIGHTS)"
 
-docs: sim latency budget ## docs/results.md and its pictures, from fresh runs
+docs: sim latency budget ## docs/measured/results.md and its pictures, from fresh runs
 	@set -e; { echo "# Results"; echo; echo "Written by \`make docs\`."; \
-	   echo; echo "## End to end"; echo; $(LAB) sim-report --weights "$(WEIGHTS)" --pictures docs/figures; \
+	   echo; echo "## End to end"; echo; $(LAB) sim-report --weights "$(WEIGHTS)" --pictures docs/measured/figures; \
 	   echo; echo "## Interval and latency"; echo; $(LAB) latency; \
 	   echo; echo "## Operations"; echo; $(LAB) budget; \
 	   echo; echo "## Fixed point"; echo; $(RUN)/gravcomp formats --weights "$(WEIGHTS)"; } >build/results.md
-	@mv build/results.md docs/results.md
+	@mv build/results.md docs/measured/results.md
+
+docs-site: setup ## docs/ as a site in build/site; a broken link is an error
+	@$(RUN)/mkdocs build --strict
+	@echo "build/site/index.html"
 
 loop: setup ## close the loop with measured data: DATA=log.csv, MODEL=robot.toml, SAVE=weights/mine; error before and after
 	@$(RUN)/gravcomp loop "$(DATA)" --weights "$(WEIGHTS)" --out build/loop $(if $(MODEL),--model "$(MODEL)") \
@@ -83,17 +87,17 @@ loop: setup ## close the loop with measured data: DATA=log.csv, MODEL=robot.toml
 	@LOOP=build/loop $(PYTEST) -v tb/test_rtl_loop.py -k held_out
 	@$(RUN)/gravcomp loop-report --loop build/loop
 
-blind: setup ## tally of the diagnosis on data sets drawn by seed; docs/blind.md
-	@$(LAB) blind --jobs 2 --docs docs
+blind: setup ## tally of the diagnosis on data sets drawn by seed; docs/measured/blind.md
+	@$(LAB) blind --jobs 2 --docs docs/measured
 
-table2: setup ## the paper's Table 2 on the virtual prototype; docs/table2.md
+table2: setup ## the paper's Table 2 on the virtual prototype; docs/measured/table2.md
 	@$(LAB) table2
 
-synth: latency ## area and clock of the core with 1, 4 and 20 lanes, placed and routed on ECP5; docs/synthesis.md
-	@$(LAB) synth --docs docs
+synth: latency ## area and clock of the core with 1, 4 and 20 lanes, placed and routed on ECP5; docs/measured/synthesis.md
+	@$(LAB) synth --docs docs/measured
 
 synth-all: latency ## the same with 1, 2, 4, 5, 10 and 20 lanes
-	@$(LAB) synth --lanes 1 2 4 5 10 20 --docs docs
+	@$(LAB) synth --lanes 1 2 4 5 10 20 --docs docs/measured
 
 gatesim: setup ## the core as GHDL's Verilog, as generic and as ECP5 netlist passes the tests of the VHDL, under Icarus
 	@$(PYTEST) -q -n auto -m "" tb/test_rtl_gates.py
@@ -102,11 +106,11 @@ gatesim-nightly: setup ## 100 000 random poses through GHDL's Verilog, 10 000 th
 	@scripts/setup.sh verilator
 	@$(PYTEST) -s -m gatesim tb/test_rtl_poses.py
 
-peers: setup ## the core beside da4ml and NNgen (same flow; slow) and beside this machine's processor; docs/peers.md
+peers: setup ## the core beside da4ml and NNgen (same flow; slow) and beside this machine's processor; docs/measured/peers.md
 	@$(RUN)/python -c "import da4ml, nngen" 2>/dev/null || \
 	   $(RUN)/pip install --constraint constraints.txt --editable '.[peers]'
-	@$(LAB) peers --docs docs
-	@$(LAB) jitter --docs docs
+	@$(LAB) peers --docs docs/measured
+	@$(LAB) jitter --docs docs/measured
 
 lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
 	@$(RUN)/ruff check . && $(RUN)/ruff format --check .

@@ -1,5 +1,5 @@
 #!/bin/sh
-# VHDL that some tool does not take (docs/vendor.md says which): refused in rtl/, comments aside.
+# VHDL that some tool does not take (docs/guide/vendor.md says which): refused in rtl/, comments aside.
 set -eu
 cd "$(dirname "$0")/../rtl"
 
@@ -34,7 +34,7 @@ status=0
 while read -r file; do
     found=$(sed "s/--.*//" "$file" | { grep -nEi -e "$avoided" -e "$deferred" || :; }; sed "s/--.*//" "$file" | awk "$sequential")
     [ -n "$found" ] || continue
-    echo "$found" | sed "s|^|rtl/$file:|; s|\$|    <- see docs/vendor.md|" >&2
+    echo "$found" | sed "s|^|rtl/$file:|; s|\$|    <- see docs/guide/vendor.md|" >&2
     status=1
 done <sources.f
 exit $status

@@ -263,7 +263,7 @@ def test_units_and_place_in_hardware_are_those_of_the_contract(kind):
 
 @every_class
 def test_page_on_effects_says_what_the_code_says(kind):
-    (row,) = re.findall(rf"^\| {kind.name} \|(.*)\|$", (ROOT / "docs" / "effects.md").read_text(), re.M)
+    (row,) = re.findall(rf"^\| {kind.name} \|(.*)\|$", (ROOT / "docs" / "guide" / "effects.md").read_text(), re.M)
     equation, parameters, hardware = (cell.strip() for cell in row.split("|"))
     assert (equation, hardware) == (kind.equation, kind.hardware)
     assert all(re.search(rf"\b{name}(_i)?\b", parameters) for name in kind.units)

@@ -99,7 +99,7 @@ def test_clock_of_one_lane_is_above_its_floor(tmp_path):
     placed = place_and_route(netlist, part="25k", speed=6, seed=1, out=tmp_path / "placed")
     assert placed.used["MULT18X18D"] == 9
     assert placed.used["TRELLIS_COMB"] <= 1200
-    # Seeds differ by five percent; the table of docs/synthesis.md has the best of three.
+    # Seeds differ by five percent; the table of docs/measured/synthesis.md has the best of three.
     assert placed.clock_mhz > 175
 
 

@@ -37,7 +37,7 @@ MOST_STEPS_TO_RELEASE, MOST_REACTION_CLOCKS = 100, 25
 LEAST_IMPROVEMENT = 100  # of the RMS error while holding; measured: 800 in the first 0.1 s
 LARGEST_PID_SHARE = 0.05  # of the RMS force of the PID, with the core and alone; measured: 0.002
 STOP_S = 0.010  # from the closing of the brakes until the platform is still; measured: 0.009 at most
-REACTION_CLOCKS = {Fault.ESTOP: 3, Fault.ENCODER: 7 + 2}  # docs/safety.md
+REACTION_CLOCKS = {Fault.ESTOP: 3, Fault.ENCODER: 7 + 2}  # docs/guide/safety.md
 SETTINGS = {
     "tick_clocks": CLOCKS_PER_STEP,
     "period_min_clocks": 4 * FEWEST_CLOCKS_PER_EDGE,

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 --
--- Brakes and command enable of all axes, state by state; docs/safety.md has the diagram.
+-- Brakes and command enable of all axes, state by state; docs/guide/safety.md has the diagram.
 --
 --   BRAKED    brakes engaged, command zero       reset; waits for a rising enable while healthy
 --   HOLDING   brakes engaged, command active     before RUN till the motors carry the load, after it till brakes close

@@ -4,7 +4,7 @@
 -- stops the command on a fault; remembers what came first and where.
 --
 -- Brakes are released, and the command is active, only after a rising enable while no cause is present: referenced,
--- healthy, emergency stop released. States: see gc_brake_sequencer; causes and reactions: docs/safety.md.
+-- healthy, emergency stop released. States: see gc_brake_sequencer; causes and reactions: docs/guide/safety.md.
 -- estop, encoder, crc and rom are faults in every state. The others are while the command is active, and in FAULT;
 -- while braked they are normal (before homing, without a host) and keep the brakes engaged.
 -- A cause that came stays a fault until it is cleared; clear while it lasts does not help. FAULT is left, to BRAKED,

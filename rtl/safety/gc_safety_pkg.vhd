@@ -16,7 +16,7 @@ package gc_safety_pkg is
   constant state_run_c     : safety_state_t := "101";
   constant state_fault_c   : safety_state_t := "110";
 
-  -- Causes, bit by bit; docs/safety.md says when each is present.
+  -- Causes, bit by bit; docs/guide/safety.md says when each is present.
   constant causes_c           : positive := 10;
   constant cause_estop_c      : natural  := 0;
   constant cause_encoder_c    : natural  := 1;

@@ -6,7 +6,7 @@
 -- gc_crossing_bus, settings and what is loaded there, state back, and in the reset; nothing else crosses. Settings and
 -- state cross all the time: they are a round trip old, at most two.
 -- Reset: s_axi_aresetn, low for 8 clocks of the slower clock; it also resets the core: brakes engaged, commands zero.
--- Latency: see docs/system.md.
+-- Latency: see docs/guide/system.md.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -152,7 +152,7 @@ _ABOUT = {
 
 
 def markdown(outcomes: list[Outcome], first_seed: int, command: str) -> str:
-    """docs/blind.md."""
+    """docs/measured/blind.md."""
     lines = ["# Blind tally", "", f"`{command}`: seeds from {first_seed} on; the code was tuned on seeds below 200."]
     for source in SOURCES:
         own = [o for o in outcomes if o.source == source]

@@ -1,4 +1,4 @@
-"""Print what the runs with the RTL in the loop showed, renew docs/hil.md and its picture."""
+"""Print what the runs with the RTL in the loop showed, renew docs/measured/hil.md and its picture."""
 
 from pathlib import Path
 

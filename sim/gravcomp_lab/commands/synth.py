@@ -1,4 +1,4 @@
-"""Area and clock of the core per number of lanes with free tools; docs/synthesis.md and its picture."""
+"""Area and clock of the core per number of lanes with free tools; docs/measured/synthesis.md and its picture."""
 
 import os
 from pathlib import Path

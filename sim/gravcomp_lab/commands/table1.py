@@ -1,4 +1,4 @@
-"""Repeat the paper's Table 1 and write docs/table1.md: training performance against the number of neurons."""
+"""Repeat the paper's Table 1 and write docs/measured/table1.md: training performance against the number of neurons."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def add_arguments(parser):
     parser.add_argument("--starts", type=int, default=24, help="per size (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of poses and starts (default %(default)s)")
     parser.add_argument("--poses", type=int, default=3500, help="training poses (default %(default)s)")
-    parser.add_argument("--out", type=Path, default=Path("docs/table1.md"), help="file (default %(default)s)")
+    parser.add_argument("--out", type=Path, default=Path("docs/measured/table1.md"), help="file (default %(default)s)")
     parser.add_argument("--backend", choices=BACKENDS, default="loky", help="of joblib (default %(default)s)")
 
 

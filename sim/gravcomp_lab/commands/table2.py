@@ -1,4 +1,4 @@
-"""Repeat the paper's Table 2 on the virtual prototype and write docs/table2.md: errors of the models on the field."""
+"""Repeat the paper's Table 2 on the virtual prototype and write docs/measured/table2.md: errors of the models on the field."""
 
 import time
 from pathlib import Path
@@ -63,7 +63,7 @@ from quantised encoders. {training} such holds, spread over the workspace, are t
 def add_arguments(parser):
     parser.add_argument("--seed", type=int, default=1, help="of poses, approaches, noise, folds (default %(default)s)")
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="network trained in simulation")
-    parser.add_argument("--out", type=Path, default=Path("docs/table2.md"), help="file (default %(default)s)")
+    parser.add_argument("--out", type=Path, default=Path("docs/measured/table2.md"), help="file (default %(default)s)")
 
 
 def run(arguments):
