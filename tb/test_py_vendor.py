@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from codes import fixed_network
 from gravcomp.twin.network import core
@@ -158,8 +159,41 @@ def test_fusesoc_simulates_an_inference(count, tmp_path):
     np.testing.assert_array_equal(force_mn, core(np.full(fixed.n_axes, count), fixed).force_mn)
 
 
+CORE = yaml.safe_load((ROOT / "gravcomp.core").read_text().removeprefix("CAPI=2:"))
+TARGETS = [("default", "gc_force_path"), ("system", "gc_system"), ("core", "gc_core")]
+KINDS = {"positive": "int", "natural": "int", "integer": "int", "boolean": "bool"}
+
+
+@pytest.mark.parametrize("target", CORE["targets"])
+def test_fusesoc_exposes_every_generic(target):
+    """With its type and no second default: what is not given is what the VHDL says."""
+    top = CORE["targets"][target]["toplevel"]
+    source = source_of(RTL, top) if target != "sim" else ROOT / "tb/hdl" / f"{top}.vhd"
+    generics = dict(re.findall(r"^ +(\w+_g) +: (\w+) +:=", source.read_text().partition("architecture")[0], re.M))
+    assert CORE["targets"][target]["parameters"] == list(generics)
+    for name, kind in generics.items():
+        described = {
+            "datatype": KINDS[kind],
+            "paramtype": "generic",
+            "description": CORE["parameters"][name]["description"],
+        }
+        assert CORE["parameters"][name] == described
+
+
 @pytest.mark.parametrize("tool", ["vivado", "quartus"])
-@pytest.mark.parametrize(("target", "top"), [("default", "gc_force_path"), ("system", "gc_system")])
+@pytest.mark.parametrize(("target", "top"), TARGETS)
+def test_fusesoc_hands_on_every_generic(tool, target, top, tmp_path):
+    values = {"int": 1, "bool": "true"}
+    wanted = {name: values[CORE["parameters"][name]["datatype"]] for name in CORE["targets"][target]["parameters"]}
+    options = [f"--{name}={value}" for name, value in wanted.items()]
+    fusesoc(tmp_path, "--setup", f"--target={target}", f"--tool={tool}", "gravcomp:gravcomp:gravcomp", *options)
+    script = "".join(path.read_text() for path in tmp_path.rglob("*.tcl"))
+    for name, value in wanted.items():
+        assert re.search(rf"\b{name}[= ]{value}\b", script), name
+
+
+@pytest.mark.parametrize("tool", ["vivado", "quartus"])
+@pytest.mark.parametrize(("target", "top"), TARGETS[:2])
 def test_fusesoc_sets_up_a_project(tool, target, top, tmp_path):
     """The project's script; the vendor's tool is not run."""
     fusesoc(tmp_path, "--setup", f"--target={target}", f"--tool={tool}", "gravcomp:gravcomp:gravcomp", "--lanes_g", "5")
