@@ -8,7 +8,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate coverage test test-fast train table1 rom regs system hil budget latency formats docs docs-site loop blind table2 lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject coverage test test-fast train table1 rom regs system hil budget latency formats docs docs-site loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -26,6 +26,9 @@ formal: setup ## what is proven about the hardware, for every input and without 
 
 mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each? Two hours; docs/measured/mutation.md
 	@$(LAB) mutate --docs docs/measured
+
+inject: setup ## flip single bits in every register and memory of gc_system while it holds a pose; docs/measured/injection.md
+	@$(LAB) inject --docs docs/measured
 
 coverage: ## the statements of the VHDL that the tests run; docs/measured/coverage.md
 	@scripts/setup.sh ghdl-gcc
@@ -103,7 +106,6 @@ gatesim: setup ## the core as GHDL's Verilog, as generic and as ECP5 netlist pas
 	@$(PYTEST) -q -n auto -m "" tb/test_rtl_gates.py
 
 gatesim-nightly: setup ## 100 000 random poses through GHDL's Verilog, 10 000 through the ECP5 netlist, under Verilator
-	@scripts/setup.sh verilator
 	@$(PYTEST) -s -m gatesim tb/test_rtl_poses.py
 
 peers: setup ## the core beside da4ml and NNgen (same flow; slow) and beside this machine's processor; docs/measured/peers.md

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing, and nothing else: GHDL, Icarus, Python's run-time parts and the programs given as arguments
-# with apt, the Python packages into .venv. Says nothing when all is there.
+# Installs what is missing, and nothing else: GHDL, Icarus, Verilator, compilers, Python's run-time parts and the
+# programs given as arguments with apt, the Python packages into .venv. Says nothing when all is there.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -19,6 +19,8 @@ command -v ghdl >/dev/null || install_packages ghdl
 command -v cc >/dev/null || install_packages gcc libc6-dev
 command -v tclsh >/dev/null || install_packages tcl
 command -v iverilog >/dev/null || install_packages iverilog
+command -v verilator >/dev/null || install_packages verilator
+command -v c++ >/dev/null || install_packages g++
 for program in "$@"; do command -v "$program" >/dev/null || install_packages "$program"; done
 command -v python3 >/dev/null || install_packages python3-venv
 python3 -c 'import ensurepip' 2>/dev/null || install_packages python3-venv

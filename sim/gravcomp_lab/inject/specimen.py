@@ -1,0 +1,52 @@
+"""The constants of the design into which faults are injected, and those loaded into it: no part of it is idle."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from gravcomp.core.formats import quantise
+from gravcomp.core.image import Image, load_image
+from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.files import write_atomically
+from gravcomp.network.weights import load_network, save_network
+from gravcomp.robot.spheiro.parameters import load_parameters
+
+# Friction, friction by load and cogging on every axis, so that each part of the compensator is at work.
+COMPENSATION = """\
+axis,name,value
+all,clock_hz,4e7
+all,v_dead_mps,2e-4
+all,v_full_mps,4e-4
+all,fc_pos_n,1.7
+all,fc_neg_n,1.1
+all,mu,0.02
+all,b_pos_ns_per_m,31
+all,b_neg_ns_per_m,25
+1,pitch_m,0.012
+2,pitch_m,0.021
+3,pitch_m,0.0077
+all,a1_n,0.8
+all,p1_rad,0.4
+all,a2_n,0.3
+"""
+IMAGE_SHARE = 0.9
+
+
+def make_specimen(weights: Path, folder: Path) -> tuple[list[Path], Image]:
+    """Write the generated packages of weights with the compensator above, and weights that differ, into folder.
+
+    Returns the folder of the packages' files and the image of the other weights: outputs scaled by IMAGE_SHARE.
+    InputError when the weights cannot be read or held.
+    """
+    p, network = load_parameters(), load_network(weights)
+    other = replace(network, output_weights=IMAGE_SHARE * network.output_weights)
+    for name, held in (("rom", network), ("image", other)):
+        save_network(held, folder / name)
+        write_atomically(folder / name / "compensation.csv", COMPENSATION)
+    write_rom(folder / "rom", p, folder / "generated")
+    return sorted((folder / "generated").glob("*.vhd")), load_image(folder / "image", folder / "rom", p)
+
+
+def ua_per_mn(weights: Path) -> float:
+    """What a mN is as a current command, uA."""
+    fixed = quantise(load_network(weights), load_parameters())
+    return fixed.current_scale / 2**fixed.current_scale_fraction
