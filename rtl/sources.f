@@ -29,10 +29,15 @@ compensator/gc_friction.vhd
 compensator/gc_position_table.vhd
 compensator/gc_compensator.vhd
 system/gc_current_scaler.vhd
-safety/gc_timeout.vhd
 safety/gc_safety_pkg.vhd
+safety/gc_parity_guard.vhd
+safety/gc_timeout.vhd
+crossing/gc_clock_monitor.vhd
 safety/gc_fault_latch.vhd
 safety/gc_brake_sequencer.vhd
+safety/gc_brake_permit.vhd
+safety/gc_brake_test.vhd
+safety/gc_brake_feedback.vhd
 safety/gc_safety.vhd
 safety/gc_drive.vhd
 system/gc_tick.vhd

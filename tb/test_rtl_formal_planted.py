@@ -59,6 +59,56 @@ PLANTED = [
     ("safety", "gc_fault_latch", [
         ("or in_fault;", "or in_fault(causes_c - 2 downto 0) & in_fault(causes_c - 1);", "no_cause_comes_of_itself"),
     ]),
+    ("parity_guard", "gc_parity_guard", [
+        ("parity_of(in_next) when in_load = '1' else parity", "parity_of(in_next)", "parity_goes_along"),
+        ("parity xor parity_of(in_word)", "parity or parity_of(in_word)", "nothing_else_is"),
+        ("if rst = '1' then", "if rst = '1' and in_load = '1' then", "reset_forgets"),
+    ]),
+    ("parity_guard", "gc_parity_guard", [
+        ("parity xor parity_of(in_word)", "parity and not parity_of(in_word)", "single_wrong_bit_is_found"),
+    ]),
+    ("timeout", "gc_timeout", [
+        ("not (is_short or restart or rst)", "not (is_short or rst)", "not_sooner"),
+        ("in_next    => std_ulogic_vector(next_quiet)", "in_next    => std_ulogic_vector(quiet)",
+         "counts_what_it_counted"),
+    ]),
+    ("timeout", "gc_timeout", [("quiet < cfg_clocks", "quiet <= cfg_clocks", "expires_after_the_limit")]),
+    ("brake_permit", "gc_brake_permit", [
+        ("if in_fault = '1' or (shut", "if (shut", "faults_engage_the_brakes"),
+        ("not (enable and was_low and in_healthy)", "not (enable and in_healthy)",
+         "motion_starts_by_an_edge_while_healthy"),
+        ("not (enable and in_tested)", "not enable", "brakes_open_after_the_load_is_carried_and_the_test"),
+        ("if rst = '1' then", "if rst = '1' and enable = '0' then", "reset_engages_the_brakes"),
+    ]),
+    ("brake_permit", "gc_brake_permit", [
+        ("idle_v or (shut_v and not in_test(i))", "shut_v and not in_test(i)",
+         "brakes_are_engaged_but_in_run_and_test"),
+        ("faulty_v := not clear", "faulty_v := not enable", "faulty_until_cleared"),
+        ("idle_v := not enable;", "idle_v := not in_tested;", "command_ends_behind_closed_brakes"),
+        ("(shut = '0' and idle = '1')", "(shut = '0' and enable = '0')", "faulty_by_a_fault"),
+    ]),
+    ("brake_permit", "gc_brake_permit", [
+        ("        idle_v := '1';\n        shut_v := '1';\n      end if;\n      if rst",
+         "        shut_v := '1';\n      end if;\n      if rst", "flags_do_not_contradict"),
+    ]),
+    ("brake_test", "gc_brake_test", [
+        ("in_feedback /= fed", "in_feedback = fed", "wrong_read_back_fails"),
+        ("if in_start = '0' or rst = '1'", "if rst = '1'", "nothing_without_a_start"),
+        ("axis(inputs_c - 2 downto 0) & '0'", "axis(inputs_c - 2 downto 0) & '1'", "one_axis_at_a_time"),
+    ]),
+    ("brake_test", "gc_brake_test", [
+        ("ends <= over and not idle", "ends <= over", "every_axis_in_its_phase"),
+        ("second <= first;", "second <= not first;", "one_path_is_switched_at_a_time"),
+        ("done <= axis(inputs_c - 1)", "done <= axis(inputs_c - 2)", "done_after_all_phases"),
+    ]),
+    ("brake_feedback", "gc_brake_feedback", [
+        ("(level(i) xnor told(i)) or not known", "level(i) xnor told(i)", "none_differs_before_the_pins_are_known"),
+        ("unsigned(differs) /= 0", "differs(0) = '1'", "brakes_that_do_not_obey_differ"),
+        ("out_feedback <= level", "out_feedback <= told", "pins_are_passed_on"),
+    ]),
+    ("brake_feedback", "gc_brake_feedback", [
+        ("(level(i) xnor told(i)) or not known", "not known", "brakes_that_obey_do_not_differ"),
+    ]),
     ("force_path", "gc_force_path", [
         ("start <= in_valid and", "start <= in_valid and not cfg_clear and", "none_lost"),
         ("in_ready <= core_ready and counts_valid and", "in_ready <= core_ready and", "reset_waits_for_the_encoders"),

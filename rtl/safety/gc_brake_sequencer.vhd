@@ -64,7 +64,8 @@ begin
       rst        => rst,
       restart    => restart,
       cfg_clocks => cfg_brake_clocks,
-      expired    => expired
+      expired    => expired,
+      upset      => open
     );
 
   p_state : process (clk) is

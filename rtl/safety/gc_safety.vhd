@@ -122,7 +122,8 @@ begin
       rst        => rst,
       restart    => not_saturated,
       cfg_clocks => cfg_saturation_clocks,
-      expired    => saturation_1
+      expired    => saturation_1,
+      upset      => open
     );
 
   i_watchdog : entity work.gc_timeout
@@ -131,7 +132,8 @@ begin
       rst        => rst,
       restart    => kick,
       cfg_clocks => cfg_watchdog_clocks,
-      expired    => watchdog_1
+      expired    => watchdog_1,
+      upset      => open
     );
 
   i_result : entity work.gc_timeout
@@ -140,7 +142,8 @@ begin
       rst        => rst,
       restart    => in_result,
       cfg_clocks => cfg_result_clocks,
-      expired    => result_1
+      expired    => result_1,
+      upset      => open
     );
 
   -- stage 1: the other causes, and the positions that belong to them

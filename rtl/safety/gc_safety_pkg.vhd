@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 --
--- Safety: states, and causes of a fault.
+-- Safety: states, causes of a fault, parity.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -36,4 +36,32 @@ package gc_safety_pkg is
   -- Causes that are faults while braked, too; the others keep the brakes engaged then.
   constant always_causes_c : causes_t := (cause_rom_c downto cause_estop_c => '1', others => '0');
 
+  -- XOR of all bits.
+
+  function parity_of (
+    word : std_ulogic_vector
+  ) return std_ulogic;
+
 end package gc_safety_pkg;
+
+package body gc_safety_pkg is
+
+  function parity_of (
+    word : std_ulogic_vector
+  ) return std_ulogic is
+
+    variable parity_v : std_ulogic := '0';
+
+  begin
+
+    for i in word'range loop
+
+      parity_v := parity_v xor word(i);
+
+    end loop;
+
+    return parity_v;
+
+  end function parity_of;
+
+end package body gc_safety_pkg;

@@ -49,6 +49,11 @@ CLAIMS = (
     Claim("output_saturation", "gc_output_scaler"),
     Claim("force_saturation", "gc_compensator", parameters={"TOTAL_BITS": FRICTION_BITS + 1}),
     Claim("safety", "gc_safety"),
+    Claim("parity_guard", "gc_parity_guard", {"width_g": 5}, {"BITS": 5}),
+    Claim("timeout", "gc_timeout", {"bits_g": 4, "guard_g": "true"}, {"BITS": 4}),
+    Claim("brake_permit", "gc_brake_permit"),
+    Claim("brake_test", "gc_brake_test"),
+    Claim("brake_feedback", "gc_brake_feedback"),
     Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
     Claim("force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=16),
 )
