@@ -8,7 +8,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject coverage test test-fast train table1 rom regs system hil budget latency formats docs docs-site loop blind table2 lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -39,6 +39,10 @@ test: setup ## all tests but the long ones of the netlists, for which see gatesi
 
 test-fast: setup ## the tests that take less than ten seconds each
 	@$(PYTEST) -q -n auto -m "not slow"
+
+test-simulators: setup ## the tests of the RTL on other simulators: Debian 13's GHDL 5.0.1 and ghdl-llvm; says what cannot be had
+	@scripts/setup.sh ghdl-llvm || echo "test-simulators: ghdl-llvm cannot be installed here" >&2
+	@scripts/test_simulators.sh -q -n auto $(if $(TESTS),$(TESTS),tb/test_rtl_*.py)
 
 train: setup ## train the network; write weights/spheiro and its ROM
 	@$(RUN)/gravcomp train

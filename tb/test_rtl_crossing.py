@@ -5,9 +5,10 @@ from dataclasses import dataclass, field
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge, Timer, ValueChange
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
+from changes import value_change
 from runner import simulate
 
 STAGES = 2
@@ -70,14 +71,14 @@ class Traffic:
 
     async def watch(self, signal) -> None:
         while True:
-            await ValueChange(signal)
+            await value_change(signal)
             self.held_fs.append(round(get_sim_time("fs")))
 
 
 async def assert_in_step(dut) -> None:
     """What leaves is registered: it changes with the rising edge of out_clk."""
     while True:
-        await ValueChange(dut.out_valid)
+        await value_change(dut.out_valid)
         assert dut.out_clk.value == 1
 
 

@@ -89,7 +89,9 @@ async def run_and_compare(dut, inputs: dict[str, np.ndarray]) -> dict[str, np.nd
 
 def documented_clocks(cause: Cause) -> int:
     """The reaction of docs/guide/safety.md, with the limits of these tests and the synchroniser's stages."""
-    row = re.search(rf"^\| {cause.name.lower()} \| {cause:d} \|.*$", (ROOT / "docs" / "guide" / "safety.md").read_text(), re.M)
+    row = re.search(
+        rf"^\| {cause.name.lower()} \| {cause:d} \|.*$", (ROOT / "docs" / "guide" / "safety.md").read_text(), re.M
+    )
     clocks, watched = (cell.strip() for cell in row.group().split("|")[4:6])
     assert (watched == "always") == bool(ALWAYS & cause.mask)
     extra_stages = int(os.environ["SYNC_STAGES_G"]) - 2 if cause == Cause.ESTOP else 0
