@@ -17,13 +17,9 @@ library work;
 entity gc_scale is
   generic (
     -- Number of values.
-    values_g   : positive := 3;
+    values_g : positive := 3;
     -- One multiplier for all values, in turn.
-    serial_g   : boolean := false;
-    -- The factors, 18 bits each, factor 0 lowest.
-    factors_g  : signed;
-    -- Whether the factors are those of the port instead.
-    loadable_g : boolean := false
+    serial_g : boolean := false
   );
   port (
     clk          : in    std_ulogic;
@@ -33,30 +29,14 @@ entity gc_scale is
     in_values    : in    signed(values_g * operand_bits_c - 1 downto 0);
     out_valid    : out   std_ulogic;
     out_products : out   signed(values_g * 2 * operand_bits_c - 1 downto 0);
-    -- Loaded factors, factor 0 lowest; they change only while no product is under way.
-    factors      : in    signed(values_g * operand_bits_c - 1 downto 0) := (others => '0')
+    -- Factor 0 lowest; they change only while no product is under way.
+    factors      : in    signed(values_g * operand_bits_c - 1 downto 0)
   );
 end entity gc_scale;
 
 architecture rtl of gc_scale is
 
   constant product_bits_c : positive := 2 * operand_bits_c;
-  constant factors_c      : signed(values_g * operand_bits_c - 1 downto 0) := factors_g;
-
-  -- Which factors are used.
-
-  function used (
-    loaded : signed
-  ) return signed is
-  begin
-
-    if loadable_g then
-      return loaded;
-    end if;
-
-    return factors_c;
-
-  end function used;
 
 begin
 
@@ -76,7 +56,7 @@ begin
           rst         => rst,
           in_valid    => in_valid,
           in_a        => in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
-          in_b        => used(factors)((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
+          in_b        => factors((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
           out_valid   => valid(i),
           out_product => out_products((i + 1) * product_bits_c - 1 downto i * product_bits_c)
         );
@@ -121,13 +101,13 @@ begin
     begin
 
       value <= in_values(operand_bits_c - 1 downto 0);
-      factor <= used(factors)(operand_bits_c - 1 downto 0);
+      factor <= factors(operand_bits_c - 1 downto 0);
 
       for i in 1 to last_c loop
 
         if turn(i) = '1' then
           value <= in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
-          factor <= used(factors)((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
+          factor <= factors((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
         end if;
 
       end loop;

@@ -56,8 +56,11 @@ architecture rtl of gc_compensator is
   signal valid_12     : std_ulogic := '0';
   signal force_12     : signed(outputs_c * force_bits_c - 1 downto 0);
   signal saturated_12 : std_ulogic_vector(outputs_c - 1 downto 0);
+  signal used         : scalars_t;
 
 begin
+
+  used <= in_use(loadable_g, scalars);
 
   g_axis : for i in 0 to outputs_c - 1 generate
     signal force_7     : std_ulogic_vector(force_bits_c - 1 downto 0);
@@ -83,7 +86,7 @@ begin
         out_valid => open,
         out_value => position_7,
         memory    => memory,
-        scalars   => scalars
+        scalars   => used
       );
 
     i_force : entity work.gc_delay

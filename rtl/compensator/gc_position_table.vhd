@@ -22,7 +22,7 @@ entity gc_position_table is
   generic (
     -- Which axis, 0 the first.
     axis_g     : natural := 0;
-    -- Whether table and phase step can be replaced, through the ports memory and scalars.
+    -- Whether the table can be replaced, through the port memory.
     loadable_g : boolean := false
   );
   port (
@@ -34,8 +34,9 @@ entity gc_position_table is
     in_count  : in    signed(count_bits_c - 1 downto 0);
     out_valid : out   std_ulogic;
     out_value : out   operand_t;
-    -- Loaded words and constants; read where loadable_g.
+    -- Loaded words; read where loadable_g.
     memory    : in    memory_t := rom_memory_c;
+    -- Constants in use.
     scalars   : in    scalars_t := rom_scalars_c
   );
 end entity gc_position_table;
@@ -49,14 +50,11 @@ architecture rtl of gc_position_table is
 begin
 
   g_table : if has_table_c generate
-    signal used      : scalars_t;
     signal valid_2   : std_ulogic;
     signal product_2 : signed(count_bits_c + phase_step_bits_c - 1 downto 0);
     signal valid_3   : std_ulogic := '0';
     signal phase_3   : unsigned(31 downto 0) := (others => '0');
   begin
-
-    used <= in_use(loadable_g, scalars);
 
     -- stages 1 and 2: multiply
     i_multiply : entity work.gc_multiply
@@ -69,7 +67,7 @@ begin
         rst         => rst,
         in_valid    => in_valid,
         in_a        => in_count,
-        in_b        => used.phase_step((axis_g + 1) * phase_step_bits_c - 1 downto axis_g * phase_step_bits_c),
+        in_b        => scalars.phase_step((axis_g + 1) * phase_step_bits_c - 1 downto axis_g * phase_step_bits_c),
         out_valid   => valid_2,
         out_product => product_2
       );

@@ -79,12 +79,16 @@ architecture rtl of gc_core is
   signal h            : signed(lanes_g * operand_bits_c - 1 downto 0);
   signal total_valid  : std_ulogic;
   signal total        : signed(outputs_c * output_sum_bits_c - 1 downto 0);
+  signal used         : scalars_t;
 
 begin
 
   assert hidden_c mod lanes_g = 0
     report "gc_core: need lanes_g that divides " & integer'image(hidden_c) & " neurons, got " & integer'image(lanes_g)
     severity failure;
+
+  -- The one place where ROM or loaded scalars are chosen; as a top of its own it needs no loaded ones.
+  used <= in_use(loadable_g, scalars);
 
   -- One inference per steps_c clocks at the input, steps_c clocks of the lanes for each x.
   in_ready <= since(0);
@@ -117,8 +121,7 @@ begin
 
   i_input_scaler : entity work.gc_input_scaler
     generic map (
-      serial_g   => serial_c,
-      loadable_g => loadable_g
+      serial_g => serial_c
     )
     port map (
       clk         => clk,
@@ -128,7 +131,7 @@ begin
       out_valid   => x_valid,
       out_x       => x,
       out_clamped => x_clamped,
-      scalars     => scalars
+      scalars     => used
     );
 
   g_regions : if spread_c generate
@@ -241,13 +244,12 @@ begin
       out_valid => total_valid,
       out_total => total,
       memory    => memory,
-      scalars   => scalars
+      scalars   => used
     );
 
   i_output_scaler : entity work.gc_output_scaler
     generic map (
-      serial_g   => serial_c,
-      loadable_g => loadable_g
+      serial_g => serial_c
     )
     port map (
       clk           => clk,
@@ -257,7 +259,7 @@ begin
       out_valid     => out_valid,
       out_force     => out_force,
       out_saturated => out_saturated,
-      scalars       => scalars
+      scalars       => used
     );
 
   -- The flags of the input travel beside the data.

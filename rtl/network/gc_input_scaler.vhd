@@ -21,9 +21,7 @@ library work;
 entity gc_input_scaler is
   generic (
     -- One multiplier for all axes, in turn.
-    serial_g   : boolean := false;
-    -- Whether the constants are those of the port scalars, rather than those of the ROM.
-    loadable_g : boolean := false
+    serial_g : boolean := false
   );
   port (
     clk         : in    std_ulogic;
@@ -37,7 +35,7 @@ entity gc_input_scaler is
     out_x       : out   signed(inputs_c * operand_bits_c - 1 downto 0);
     -- Count of this axis was outside the trained range.
     out_clamped : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    -- Loaded constants; read where loadable_g.
+    -- Constants in use.
     scalars     : in    scalars_t := rom_scalars_c
   );
 end entity gc_input_scaler;
@@ -57,7 +55,6 @@ architecture rtl of gc_input_scaler is
 
   end function code;
 
-  signal used    : scalars_t;
   signal codes   : signed(inputs_c * operand_bits_c - 1 downto 0);
   -- Axis i: below the range 2 i, above it 2 i + 1.
   signal outside : std_ulogic_vector(2 * inputs_c - 1 downto 0);
@@ -68,8 +65,6 @@ architecture rtl of gc_input_scaler is
   signal clamped : std_ulogic_vector(inputs_c - 1 downto 0);
 
 begin
-
-  used <= in_use(loadable_g, scalars);
 
   g_axis : for i in 0 to inputs_c - 1 generate
     constant low_c  : natural := i * operand_bits_c;
@@ -88,11 +83,11 @@ begin
       if rising_edge(clk) then
         if in_valid = '1' then
           outside(2 * i) <= '0';
-          if count < used.count_low((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
+          if count < scalars.count_low((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
             outside(2 * i) <= '1';
           end if;
           outside(2 * i + 1) <= '0';
-          if count > used.count_high((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
+          if count > scalars.count_high((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
             outside(2 * i + 1) <= '1';
           end if;
         end if;
@@ -112,9 +107,9 @@ begin
                       operand_bits_c);
 
       if far(2 * i) = '1' then
-        x_v := used.x_low(high_c downto low_c);
+        x_v := scalars.x_low(high_c downto low_c);
       elsif far(2 * i + 1) = '1' then
-        x_v := used.x_high(high_c downto low_c);
+        x_v := scalars.x_high(high_c downto low_c);
       end if;
 
       x(high_c downto low_c) <= x_v;
@@ -148,10 +143,8 @@ begin
 
     i_scale : entity work.gc_scale
       generic map (
-        values_g   => inputs_c,
-        serial_g   => true,
-        factors_g  => input_scale_c,
-        loadable_g => loadable_g
+        values_g => inputs_c,
+        serial_g => true
       )
       port map (
         clk          => clk,
@@ -189,9 +182,7 @@ begin
 
     i_scale : entity work.gc_scale
       generic map (
-        values_g   => inputs_c,
-        factors_g  => input_scale_c,
-        loadable_g => loadable_g
+        values_g => inputs_c
       )
       port map (
         clk          => clk,

@@ -21,7 +21,7 @@ entity gc_output_layer is
   generic (
     -- Neurons per clock.
     lanes_g    : positive := 1;
-    -- Whether weights and bias can be replaced, through the ports memory and scalars.
+    -- Whether weights can be replaced, through the port memory.
     loadable_g : boolean := false
   );
   port (
@@ -34,8 +34,9 @@ entity gc_output_layer is
     out_valid : out   std_ulogic;
     -- Output sums, axis 1 lowest.
     out_total : out   signed(outputs_c * output_sum_bits_c - 1 downto 0);
-    -- Loaded words and constants; read where loadable_g.
+    -- Loaded words; read where loadable_g.
     memory    : in    memory_t := rom_memory_c;
+    -- Constants in use.
     scalars   : in    scalars_t := rom_scalars_c
   );
 end entity gc_output_layer;
@@ -61,7 +62,6 @@ architecture rtl of gc_output_layer is
 
   constant terms_c : positive := terms_per_output;
 
-  signal used       : scalars_t;
   signal valid_2    : std_ulogic_vector(lanes_g * outputs_c - 1 downto 0);
   -- Output-major: the terms of one output are neighbours.
   signal terms_2    : signed(outputs_c * terms_c * sum_bits_c - 1 downto 0);
@@ -69,8 +69,6 @@ architecture rtl of gc_output_layer is
   signal tree_valid : std_ulogic_vector(outputs_c - 1 downto 0);
 
 begin
-
-  used <= in_use(loadable_g, scalars);
 
   -- stages 1 and 2: multiply
 
@@ -166,7 +164,7 @@ begin
 
     g_bias : for k in 0 to outputs_c - 1 generate
       terms_2((k + 1) * terms_c * sum_bits_c - 1 downto ((k + 1) * terms_c - 1) * sum_bits_c)
- <= used.output_bias((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
+ <= scalars.output_bias((k + 1) * sum_bits_c - 1 downto k * sum_bits_c);
     end generate g_bias;
 
     out_valid <= tree_valid(0);
@@ -214,7 +212,7 @@ begin
             total(high_c downto low_c) <= sum_v;
           end if;
           if rst = '1' or last = '1' then
-            acc(high_c downto low_c) <= used.output_bias(high_c downto low_c);
+            acc(high_c downto low_c) <= scalars.output_bias(high_c downto low_c);
           end if;
         end if;
 

@@ -18,9 +18,7 @@ library work;
 entity gc_output_scaler is
   generic (
     -- One multiplier for all axes, in turn.
-    serial_g   : boolean := false;
-    -- Whether the constants are those of the port scalars, rather than those of the ROM.
-    loadable_g : boolean := false
+    serial_g : boolean := false
   );
   port (
     clk           : in    std_ulogic;
@@ -34,7 +32,7 @@ entity gc_output_scaler is
     out_force     : out   signed(outputs_c * force_bits_c - 1 downto 0);
     -- Output sum of this axis did not fit y.
     out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0);
-    -- Loaded constants; read where loadable_g.
+    -- Constants in use.
     scalars       : in    scalars_t := rom_scalars_c
   );
 end entity gc_output_scaler;
@@ -89,10 +87,8 @@ begin
   -- stages 2 and 3: multiply
   i_scale : entity work.gc_scale
     generic map (
-      values_g   => outputs_c,
-      serial_g   => serial_g,
-      factors_g  => output_scale_c,
-      loadable_g => loadable_g
+      values_g => outputs_c,
+      serial_g => serial_g
     )
     port map (
       clk          => clk,

@@ -15,10 +15,6 @@ library work;
   use work.gc_image_pkg.all;
 
 entity gc_current_scaler is
-  generic (
-    -- Whether the constants are those of the port scalars, rather than those of the ROM.
-    loadable_g : boolean := false
-  );
   port (
     clk         : in    std_ulogic;
     -- Synchronous, active high; clears the valid bits.
@@ -29,7 +25,7 @@ entity gc_current_scaler is
     out_valid   : out   std_ulogic;
     -- Motor currents, uA, axis 1 lowest.
     out_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
-    -- Loaded constants; read where loadable_g.
+    -- Constants in use.
     scalars     : in    scalars_t := rom_scalars_c
   );
 end entity gc_current_scaler;
@@ -40,13 +36,10 @@ architecture rtl of gc_current_scaler is
   constant half_c         : signed(product_bits_c - 1 downto 0) := to_signed(2 ** (current_scale_fraction_c - 1),
                                                                              product_bits_c);
 
-  signal used    : scalars_t;
   signal valid_2 : std_ulogic_vector(outputs_c - 1 downto 0);
   signal valid_3 : std_ulogic := '0';
 
 begin
-
-  used <= in_use(loadable_g, scalars);
 
   g_axis : for i in 0 to outputs_c - 1 generate
     signal product_2 : signed(product_bits_c - 1 downto 0);
@@ -64,7 +57,7 @@ begin
         rst         => rst,
         in_valid    => in_valid,
         in_a        => in_force((i + 1) * force_bits_c - 1 downto i * force_bits_c),
-        in_b        => used.current_scale,
+        in_b        => scalars.current_scale,
         out_valid   => valid_2(i),
         out_product => product_2
       );

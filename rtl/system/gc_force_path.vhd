@@ -222,9 +222,6 @@ begin
     );
 
   i_current : entity work.gc_current_scaler
-    generic map (
-      loadable_g => loadable_g
-    )
     port map (
       clk         => clk,
       rst         => rst,

@@ -17,13 +17,15 @@ module input_clamp #(
     input [95:0] in_count
 );
 
-  wire [53:0] x;
+  wire [53:0] x, x_low, x_high;
   wire [2:0] clamped;
   (* hierconn *) wire [53:0] \dut.codes ;
   (* hierconn *) wire [107:0] \dut.product ;
 
   gc_input_scaler dut (
-      .clk(clk), .rst(rst), .in_valid(in_valid), .in_count(in_count), .out_x(x), .out_clamped(clamped)
+      .clk(clk), .rst(rst), .in_valid(in_valid), .in_count(in_count), .out_x(x), .out_clamped(clamped),
+      .scalars_count_low(LOW), .scalars_count_high(HIGH), .scalars_x_low(x_low), .scalars_x_high(x_high),
+      .scalars_input_scale(SCALE)
   );
 
   // Bit k: counts came k clocks ago, and no reset since.
@@ -56,6 +58,8 @@ module input_clamp #(
       wire fit = low_x >= -50'sd131072 && high_x <= 50'sd131071;
       wire signed [35:0] wanted = then < low ? low_x : then > high ? high_x : product >>> FRACTION;
 
+      assign x_low[18*i+:18] = low_x[17:0];
+      assign x_high[18*i+:18] = high_x[17:0];
       assign codes_right[i] = now < low || now > high || code == now >>> SHIFT;
       assign x_right[i] = fit && x[18*i+:18] == wanted[17:0];
       assign flags_right[i] = clamped[i] == (then < low || then > high);

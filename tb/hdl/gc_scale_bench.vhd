@@ -43,9 +43,8 @@ begin
 
   i_scale : entity work.gc_scale
     generic map (
-      values_g  => values_g,
-      serial_g  => serial_g,
-      factors_g => factors
+      values_g => values_g,
+      serial_g => serial_g
     )
     port map (
       clk          => clk,
@@ -53,7 +52,8 @@ begin
       in_valid     => in_valid,
       in_values    => in_values,
       out_valid    => out_valid,
-      out_products => out_products
+      out_products => out_products,
+      factors      => factors
     );
 
 end architecture sim;

@@ -1,4 +1,4 @@
-"""Diagnose data sets whose effects were drawn by seed, then open the answers: table, docs/measured/blind.md, confusion matrices.
+"""Diagnose data sets whose effects were drawn by seed, then open the answers: blind.md, confusion matrices.
 
 Data come from the analytic model and from the virtual prototype, whose logs stay in --work.
 """

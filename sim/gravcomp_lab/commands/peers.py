@@ -1,4 +1,4 @@
-"""Print the core beside da4ml and NNgen: the same network, the same place and route; docs/measured/peers.md and its picture.
+"""Print the core beside da4ml and NNgen: the same network, the same place and route; peers.md and its picture.
 
 Placements that build/peers holds are not made again.
 """

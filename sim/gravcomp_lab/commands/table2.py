@@ -1,4 +1,4 @@
-"""Repeat the paper's Table 2 on the virtual prototype and write docs/measured/table2.md: errors of the models on the field."""
+"""Repeat the paper's Table 2 on the virtual prototype and write table2.md: errors of the models on the field."""
 
 import time
 from pathlib import Path

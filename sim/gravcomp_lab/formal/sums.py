@@ -6,7 +6,9 @@ inductive, each follows from those before it, and no adder leaves its width with
 that lie, where one operand is a weight w, between -2^17 w and (2^17 - 1) w: all that is used about a multiplier.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from gravcomp.core.formats import OPERAND_BITS, FixedNetwork
 
@@ -73,13 +75,26 @@ def output_sums(fixed: FixedNetwork, lanes: int, k: int) -> str:
     tree = Tree(f"g_tree_n{k + 1}_i_tree", products, bias, **accumulates)
     roms = [f"g_lane_n{lane + 1}_g_weights_i_rom" for lane in range(lanes)]
     term_clocks = int(lanes in (1, fixed.n_hidden))
-    return _checker("output_sums", "gc_output_layer", "in_h", lanes, bits, term_clocks, roms, tree)
+    packed = sum(int(value) % 2**bits << bits * axis for axis, value in enumerate(fixed.output_bias))
+    constants = {"scalars_output_bias": f"{bits * n}'h{packed:x}"}
+    return _checker("output_sums", "gc_output_layer", "in_h", lanes, bits, term_clocks, roms, tree, constants)
 
 
 def _checker(
-    name: str, entity: str, port: str, n_operands: int, bits: int, term_clocks: int, roms: list[str], tree: Tree
+    name: str,
+    entity: str,
+    port: str,
+    n_operands: int,
+    bits: int,
+    term_clocks: int,
+    roms: list[str],
+    tree: Tree,
+    constants: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
-    """term_clocks: registers between product and tree, as gc_fixed_pkg has it; no proof succeeds with a wrong one."""
+    """term_clocks: registers between product and tree, as gc_fixed_pkg has it; no proof succeeds with a wrong one.
+
+    constants: what ports of the entity are tied to, as Verilog.
+    """
     steps = len(tree.bias)
     depth = (len(tree.products) + tree.bias_term - 1).bit_length()
     facts = _Facts(bits, 2 + term_clocks + depth)
@@ -100,11 +115,12 @@ def _checker(
     if not tree.bias_term:
         _accumulator_facts(facts, tree, root, per_step)
     valids, last = _valids(facts, tree), facts.n_stages
+    tied = "".join(f", .{pin}({value})" for pin, value in constants.items())
     places = [f"  wire [5:0] at_{last} = done;"]
     for k in reversed(range(last)):
         places.append(f"  wire [5:0] at_{k} = valid_{k + 1} ? ({_following(f'at_{k + 1}', steps)}) : at_{k + 1};")
     return _MODULE.format(
-        name=name, entity=entity, port=port, high=OPERAND_BITS * n_operands - 1, bits=bits, last=last,
+        name=name, entity=entity, port=port, constants=tied, high=OPERAND_BITS * n_operands - 1, bits=bits, last=last,
         wires="\n".join(facts.wires), assumptions="\n".join(facts.assumptions), facts=" &&\n        ".join(facts.facts),
         valids=valids, places="\n".join(places), next_step=_following("done", steps),
     )  # fmt: skip
@@ -132,7 +148,7 @@ module {name} (
     input [{high}:0] data
 );
 
-  {entity} dut (.clk(clk), .rst(rst), .in_valid(in_valid), .{port}(data));
+  {entity} dut (.clk(clk), .rst(rst), .in_valid(in_valid), .{port}(data){constants});
 
 {wires}
 
