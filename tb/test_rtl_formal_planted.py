@@ -117,6 +117,84 @@ PLANTED = [
         ("        out_force <= (others => '0');\n", "", "reset_takes_the_command_to_zero"),
         ("sts_count <= count;", "sts_count <= not count;", "reset_clears_the_status"),
     ]),
+    ("tick", "gc_tick", [
+        ("elapsed >= cfg_clocks", "elapsed > cfg_clocks", "none_left_out"),
+        ("out_valid = '1' and in_ready = '0'", "in_ready = '0'", "missed_ticks_are_counted"),
+        ("        out_valid <= '0';\n        sts", "        sts", "reset_clears"),
+    ]),
+    ("tick", "gc_tick", [
+        ("elapsed >= cfg_clocks", "elapsed + 1 >= cfg_clocks", "none_early_or_unasked"),
+    ]),
+    ("speed_meter", "gc_speed_meter", [
+        ("stamp <= now &", "stamp <= now - 1 &", "period_is_that_of_four_counts"),
+        ("elsif idle = timeout_g - 1 then", "elsif idle = timeout_g - 2 then", "standstill_is_silence"),
+        ("speed_valid <= valid_2 or zero_2;", "speed_valid <= valid_2;", "valid_is_five_edges_or_standstill"),
+        ("if valid_2 = '0' then\n        speed_period <= slowest_c;", "if zero_2 = '1' then\n        null;",
+         "unknown_is_slowest"),
+        ("        speed_zero <= '0';\n        speed_period <= slowest_c;", "        speed_zero <= '0';",
+         "reset_forgets"),
+    ]),
+    ("crossing_pulse", "gc_crossing_pulse", [
+        ("in_valid = '1' and sent = answer", "in_valid = '1'", "one_at_most_is_under_way"),
+        ("arrived <= arriving;", "arrived <= arrived;", "none_invented_or_doubled"),
+        ("in_ready <= sent xnor answer;", "in_ready <= sent xor answer;",
+         "none_is_taken_before_the_last_one_is_brought"),
+    ]),
+    ("crossing_pulse", "gc_crossing_pulse", [
+        ("async_data(0) => sent,", "async_data(0) => '0',", "brought_in_time"),
+    ]),
+    ("crossing_pulse", "gc_crossing_pulse", [
+        ("async_data(0) => arrived,", "async_data(0) => '0',", "ready_again_in_time"),
+    ]),
+    ("crossing_bus", "gc_crossing_bus", [
+        ("in_valid = '1' and ready = '1'", "in_valid = '1'", "brought_whole_and_held"),
+        ("out_valid <= '0';", "null;", "none_lost_but_in_reset"),
+    ]),
+    ("crossing_bus", "gc_crossing_bus", [
+        ("in_ready <= ready;", "in_ready <= '1';", "none_is_taken_before_the_last_one_is_brought"),
+    ]),
+    ("loader", "gc_loader", [
+        ("word = record_words_c(s) - 1", "word = record_words_c(s)", "place_is_that_of_the_words_so_far"),
+        ("written <= index;", "written <= word;", "records_are_written_in_order"),
+        ("kept <= load_word & kept(", "kept <= not load_word & kept(", "words_are_kept_in_order"),
+        ("write_bank <= in_bank(0);", "write_bank <= in_bank(1);", "the_bank_in_use_is_not_written"),
+        ("memory.bank <= in_bank;", "memory.bank <= not in_bank;", "the_bank_in_use_passes_through"),
+        ("is_loading and section(sections_c)", "is_loading", "whole_images_alone_are_accepted"),
+        ("      if load_begin = '1' then\n        crc <= crc_start_c;", "      if load_begin = '1' then\n",
+         "crc_starts_anew"),
+    ]),
+    ("loader", "gc_loader", [
+        ("write <= (others => '0');\n      if", "if", "nothing_else_is_written"),
+        ("bad <= not is_right;", "bad <= '0';", "others_are_refused"),
+        ("kept(scalar_bits_c - 1 downto 0)", "kept(scalar_bits_c downto 1)", "scalars_are_the_last_words"),
+        ("        crc <= crc_step(crc, load_word);\n", "      end if;\n      if load_valid = '1' then\n"
+         "        crc <= crc_step(crc, load_word);\n      end if;\n      if takes = '1' then\n",
+         "crc_is_of_the_words_taken"),
+    ]),
+    ("bank_switch", "gc_bank_switch", [
+        ("if in_start = '1' and in_done = '0' then", "if in_start = '1' then", "counts_inferences"),
+        ("waiting <= '1';\n        next_bank <= \"00\";", "waiting <= '1';", "last_one_asked_is_next"),
+        ("if load_begin = '1' or rst = '1' then", "if rst = '1' then", "waits_until_it_is_swapped_or_dropped"),
+        ("out_hold <= waiting or restart;", "out_hold <= waiting;", "no_inference_begins_while_a_swap_waits"),
+        ("        scalars <= in_scalars;", "        scalars <= scalars;", "all_constants_are_swapped_together"),
+        ("restart <= swap;", "restart <= waiting;", "restart_comes_with_the_constants"),
+    ]),
+    ("bank_switch", "gc_bank_switch", [
+        ("under_way = 0", "under_way < 2", "constants_change_between_inferences_only"),
+        ("waiting and not load_begin", "waiting", "constants_change_when_asked_only"),
+        ("restart <= swap;", "restart <= '0';", "swaps_once_none_is_under_way"),
+        ("        crc <= (others => '0');\n      end if;", "      end if;", "reset_returns_to_the_rom"),
+    ]),
+    ("friction", "gc_friction", [
+        ("valid <= in_valid & valid(1 to 9);", "valid <= in_valid & in_valid & valid(1 to 8);",
+         "comes_after_ten_clocks"),
+        ("if force_6(force_6'high) = '1' then", "if force_6(force_6'low) = '1' then",
+         "load_is_multiplied_by_its_magnitude"),
+        ("sliding_v(mu_fraction_c - 1) := '1';", "sliding_v(mu_fraction_c - 2) := '1';", "sum_is_exact_and_rounded"),
+    ]),
+    ("friction", "gc_speed_code", [
+        ("valid_3 <= valid_2;", "valid_3 <= valid_1;", "place_comes_after_three_clocks"),
+    ]),
     ("input_clamp", "gc_input_scaler", [
         ("truncate(count, count_shift_c, operand_bits_c)", "truncate(count, count_shift_c + 1, operand_bits_c)",
          "counts_in_range_are_multiplied_whole"),

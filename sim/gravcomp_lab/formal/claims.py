@@ -4,8 +4,16 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gravcomp.core.compensator_tables import FRICTION_BITS
+from gravcomp.core.compensation import no_compensation
+from gravcomp.core.compensator_tables import (
+    FRICTION_BITS,
+    N_POSITIONS,
+    N_SPEEDS,
+    PHASE_STEP_BITS,
+    quantise_compensation,
+)
 from gravcomp.core.formats import COUNT_BITS, OPERAND_BITS, FixedNetwork, quantise
+from gravcomp.core.image import WORD_BITS, image_words
 from gravcomp.network.weights import load_network
 from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp_lab.formal.model_check import Verdict, induct, model_check, shortest_run
@@ -21,7 +29,8 @@ class Claim:
     """Assertions of one checker about one entity: entity with its generics, checker with its parameters.
 
     clocks_behind_core: what the entity's latency is longer than that of gc_core with the same generics; the checker
-    then gets the sum as LATENCY.
+    then gets the sum as LATENCY. free_clocks, cuts: as of model_check. induction: clocks of induct, in place of
+    model_check. axis: that of the claim, the checker's parameter AXIS.
     """
 
     checker: str
@@ -29,10 +38,15 @@ class Claim:
     generics: Mapping[str, int | str] = field(default_factory=dict)
     parameters: Mapping[str, int] = field(default_factory=dict)
     clocks_behind_core: int | None = None
+    free_clocks: bool = False
+    cuts: tuple[str, ...] = ()
+    induction: int = 0
+    axis: int | None = None
 
     @property
     def name(self) -> str:
-        return "-".join([self.checker, *(f"{name}{value}" for name, value in self.generics.items())])
+        settings = {**self.generics, **({} if self.axis is None else {"axis": self.axis})}
+        return "-".join([self.checker, *(f"{name}{value}" for name, value in settings.items())])
 
 
 CLAIMS = (
@@ -54,6 +68,13 @@ CLAIMS = (
     Claim("brake_permit", "gc_brake_permit"),
     Claim("brake_test", "gc_brake_test"),
     Claim("brake_feedback", "gc_brake_feedback"),
+    Claim("tick", "gc_tick"),
+    Claim("speed_meter", "gc_speed_meter", {"timeout_g": 5}, {"TIMEOUT": 5, "BITS": 5}),
+    *(Claim("crossing_pulse", "gc_crossing_pulse", {"stages_g": n}, {"STAGES": n}, free_clocks=True) for n in (2, 3)),
+    *(Claim("crossing_bus", "gc_crossing_bus", {"stages_g": n}, {"STAGES": n}, free_clocks=True) for n in (2, 3)),
+    Claim("loader", "gc_loader", induction=1),
+    Claim("bank_switch", "gc_bank_switch", induction=1),
+    Claim("friction", "gc_friction", {"loadable_g": "true"}, cuts=("sliding_7", "g_load_mu_7"), induction=12),
     Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
     Claim("force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=16),
 )
@@ -74,6 +95,8 @@ OF_THE_NETWORK = {
     },
     "hidden_saturation": lambda fixed: {"SUM_BITS": fixed.hidden_sum_bits, "DROP": fixed.preactivation_drop},
     "output_saturation": lambda fixed: {"SUM_BITS": fixed.output_sum_bits, "DROP": fixed.output_drop},
+    "bank_switch": lambda fixed: {**_scalar_bits(fixed), "ROM": _rom_scalars(fixed)},
+    "loader": lambda fixed: {**_sections(fixed), **_scalar_bits(fixed)},
 }
 
 
@@ -84,6 +107,8 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
         return _verify_sums(claim, _design(claim.entity, claim.generics, rtl, folder), _network(checkers))
     if claim.checker in OF_THE_NETWORK:
         parameters |= OF_THE_NETWORK[claim.checker](_network(checkers))
+    if claim.axis is not None:
+        parameters["AXIS"] = claim.axis
     if claim.clocks_behind_core is not None:
         core = _design("gc_core", claim.generics, rtl, folder / "core")
         # The shortest run to a result; that all others take as long is then proven.
@@ -91,7 +116,9 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
         parameters["LATENCY"] = latency + claim.clocks_behind_core
     design = _design(claim.entity, claim.generics, rtl, folder)
     checker, clocks = checkers / f"{claim.checker}.sv", parameters.get("INTERVAL", 1)
-    return model_check(design, checker, folder, parameters, clocks)
+    if claim.induction:
+        return induct(design, checker, folder, parameters, claim.induction, claim.cuts)
+    return model_check(design, checker, folder, parameters, clocks, free_clocks=claim.free_clocks, cuts=claim.cuts)
 
 
 def _verify_sums(claim: Claim, design: Path, fixed: FixedNetwork) -> Verdict:
@@ -110,6 +137,39 @@ def _verify_sums(claim: Claim, design: Path, fixed: FixedNetwork) -> Verdict:
 def _network(checkers: Path) -> FixedNetwork:
     """The network that is shipped: tb/formal stands beside its weights."""
     return quantise(load_network(checkers.parents[1] / "weights" / "spheiro"), load_parameters())
+
+
+def _scalar_bits(fixed: FixedNetwork) -> dict[str, int]:
+    """Widths of those scalars of an image that depend on the network."""
+    return {"BIAS_BITS": fixed.output_sum_bits, "PHASE_BITS": PHASE_STEP_BITS}
+
+
+def _rom_scalars(fixed: FixedNetwork) -> str:
+    """The last record of an image of the network that is shipped, which comes without compensation."""
+    words = image_words(fixed, quantise_compensation(no_compensation(fixed.n_axes), load_parameters()))
+    return _packed(words[-_scalar_words(fixed) :], WORD_BITS)
+
+
+def _scalar_words(fixed: FixedNetwork) -> int:
+    axis_bits = 2 * COUNT_BITS + 4 * OPERAND_BITS + fixed.output_sum_bits + PHASE_STEP_BITS
+    return -(-(fixed.n_axes * axis_bits + OPERAND_BITS) // WORD_BITS)
+
+
+def _sections(fixed: FixedNetwork) -> dict[str, str]:
+    """Records of each section of an image, and words of each of its records."""
+    n, nodes = fixed.n_axes, 2 * OPERAND_BITS
+    sections = (
+        (HIDDEN, n * OPERAND_BITS + fixed.hidden_sum_bits),
+        (HIDDEN, n * OPERAND_BITS),
+        (n * 2 * N_SPEEDS, nodes),
+        (n * 2 * N_SPEEDS, nodes),
+        (n * N_POSITIONS, nodes),
+        (1, _scalar_words(fixed) * WORD_BITS),
+    )
+    return {
+        "RECORDS": _packed([records for records, _ in sections], 16),
+        "WORDS": _packed([-(-bits // WORD_BITS) for _, bits in sections], 16),
+    }
 
 
 def _packed(values: Iterable[int], bits: int) -> str:

@@ -10,7 +10,7 @@ Source: N. Een, A. Mishchenko, R. Brayton, "Efficient implementation of property
 import json
 import re
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,12 +18,17 @@ from gravcomp.errors import InputError
 from gravcomp_lab.synthesis.yosys import run_passes
 
 # Products are cut, and inputs that a checker leaves open are free: any value may stand for one, in every clock. What
-# holds for all values holds for the right one.
+# holds for all values holds for the right one. cuts: more signals to cut, as ` w:path`. clocks: how a clock becomes one
+# of the graph's, _ONE_CLOCK or _FREE_CLOCKS.
 _TO_GRAPH = (
-    "proc -latches error; flatten; setundef -undriven -anyseq; cutpoint t:$mul; async2sync; chformal -lower; "
+    "proc -latches error; flatten; setundef -undriven -anyseq; cutpoint t:$mul{cuts}; {clocks}; chformal -lower; "
     "opt_clean; memory -nomap; memory_map; opt -full; dffunmap; formalff -clk2ff; setundef -undriven -anyseq; "
     "delete -output; opt -full; techmap; aigmap; opt_clean"
 )
+# Every clock of the design is the graph's, and a step of the graph a clock.
+_ONE_CLOCK = "async2sync"
+# Clocks are inputs: a step of the graph may raise any of them, or none.
+_FREE_CLOCKS = "clk2fflogic"
 
 
 @dataclass(frozen=True)
@@ -50,44 +55,66 @@ def model_check(
     parameters: Mapping[str, int | str] | None = None,
     correspondence_clocks: int = 1,
     timeout_s: int = 300,
+    *,
+    free_clocks: bool = False,
+    cuts: Sequence[str] = (),
 ) -> Verdict:
     """Prove or refute the assertions of a checker (a SystemVerilog module named as its file) that holds the design.
 
     A checker reaches a signal inside the design by a wire of the same path: (* hierconn *) wire \\dut.name .
     Equal signals are merged before, by induction over correspondence_clocks: one per step of a counter brings counters
-    in agreement together. out: folder for intermediate files. Raises InputError when Yosys or ABC fails.
+    in agreement together. out: folder for intermediate files. free_clocks: clocks are inputs, whose edges fall in any
+    order; else every clock is the same one. cuts: signals of the design, by path, that may have any value in every
+    clock. Raises InputError when Yosys or ABC fails.
     """
     out.mkdir(parents=True, exist_ok=True)
     graph = out / "graph.aig"
-    names = _write_graph(verilog, checker, dict(parameters or {}), graph)
+    names = _write_graph(verilog, checker, dict(parameters or {}), graph, free_clocks, cuts)
     merge = "scorr" if correspondence_clocks == 1 else f"scorr; scorr -F {correspondence_clocks}"
     log = _abc(f"read_aiger {graph}; fold; strash; {merge}; pdr -a -T {timeout_s}", out / "pdr.log")
     if "Properties:" not in log:
         raise InputError(f"{checker.stem}: ABC gave no verdict; see {out / 'pdr.log'}")
     proven = {int(k) for k in re.findall(r"Proved output +(\d+)", log)}
-    broken = {int(k): int(frame) + 1 for k, frame in re.findall(r"Output +(\d+) was asserted in frame +(\d+)", log)}
+    broken = _broken(names, log)
     return Verdict(
         tuple(name for k, name in enumerate(names) if k in proven),
-        {name: broken[k] for k, name in enumerate(names) if k in broken},
-        tuple(name for k, name in enumerate(names) if k not in proven and k not in broken),
+        broken,
+        tuple(name for k, name in enumerate(names) if k not in proven and name not in broken),
     )
 
 
-def induct(verilog: Path, checker: Path, out: Path) -> Verdict:
-    """Prove a checker with a single assertion that is inductive as it stands: holds at power-up, each clock keeps it.
+def induct(
+    verilog: Path,
+    checker: Path,
+    out: Path,
+    parameters: Mapping[str, int | str] | None = None,
+    clocks: int = 1,
+    cuts: Sequence[str] = (),
+) -> Verdict:
+    """Prove a checker whose assertions together are inductive as they stand: after some clocks that kept all of them,
+    from whatever state, the next one does, and the first ones from power-up do.
 
-    For assertions about arithmetic, where PDR is lost. Arguments and errors of model_check.
+    For assertions about arithmetic and wide words, where PDR is lost. clocks: 1 where the assertions say all that there
+    is to say about registers, or the length of a pipeline. Other arguments and errors as of model_check.
     """
     out.mkdir(parents=True, exist_ok=True)
     graph = out / "graph.aig"
-    (name,) = _write_graph(verilog, checker, {}, graph)
+    names = _write_graph(verilog, checker, dict(parameters or {}), graph, cuts=cuts)
     read = f"read_aiger {graph}; fold; strash"
-    step = _abc(f"{read}; ind -F 2", out / "ind.log")
-    # The step assumes one clock of the assertion: power-up is checked for two.
-    clocks = 2 if "Networks are equivalent" in step else 12
-    if found := re.search(r"was asserted in frame +(\d+)", _abc(f"{read}; bmc3 -F {clocks} -T 60", out / "bmc.log")):
-        return Verdict((), {name: int(found[1]) + 1}, ())
-    return Verdict((name,), {}, ()) if clocks == 2 else Verdict((), {}, (name,))
+    step = _abc(f"{read}; orpos; ind -F {clocks + 1}", out / "ind.log")
+    if "Networks are equivalent" in step:
+        # The step assumes the clocks before: power-up is checked for those.
+        log = _abc(f"{read}; bmc3 -F {clocks + 1} -T 60", out / "bmc.log")
+        if "No output asserted" in log:
+            return Verdict(tuple(names), {}, ())
+    broken = _broken(names, _abc(f"{read}; pdr -a -T 10", out / "pdr.log"))
+    return Verdict((), broken, tuple(name for name in names if name not in broken))
+
+
+def _broken(names: Sequence[str], log: str) -> dict[str, int]:
+    """Assertions that ABC's PDR broke, each with the clocks of the run that breaks it."""
+    found = re.findall(r"Output +(\d+) was (?:trivially )?asserted in frame +(\d+)", log)
+    return {names[int(k)]: int(frame) + 1 for k, frame in found}
 
 
 def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[str, int | str]) -> int:
@@ -104,14 +131,23 @@ def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[st
     return int(found[1]) + 1
 
 
-def _write_graph(verilog: Path, checker: Path, parameters: dict[str, int | str], graph: Path) -> list[str]:
+def _write_graph(
+    verilog: Path,
+    checker: Path,
+    parameters: dict[str, int | str],
+    graph: Path,
+    free_clocks: bool = False,
+    cuts: Sequence[str] = (),
+) -> list[str]:
     """Write the graph of a checker and its design; returns the names of its assertions, one per output."""
     values = " ".join(f"-chparam {name} {value}" for name, value in parameters.items())
     names = graph.with_suffix(".json")
+    cut = "".join(f" w:dut.{path}" for path in cuts)
+    to_graph = _TO_GRAPH.format(cuts=cut, clocks=_FREE_CLOCKS if free_clocks else _ONE_CLOCK)
     passes = [
         f"read_verilog -formal -sv {verilog.resolve()} {checker.resolve()}",
         f"hierarchy -check -top {checker.stem} {values}",
-        *_TO_GRAPH.split("; "),
+        *to_graph.split("; "),
         f"write_aiger -I -B -zinit -no-startoffset -ywmap {names.name} {graph.name}",
     ]
     run_passes(passes, graph.with_suffix(".log"))
