@@ -2,6 +2,9 @@ crossing/gc_synchronizer.vhd
 crossing/gc_crossing_pulse.vhd
 crossing/gc_crossing_bus.vhd
 encoder/gc_glitch_filter.vhd
+encoder/gc_count_check.vhd
+encoder/gc_edge_watch.vhd
+encoder/gc_index_check.vhd
 encoder/gc_speed_meter.vhd
 encoder/gc_quad_decoder.vhd
 common/gc_fixed_pkg.vhd

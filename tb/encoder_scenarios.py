@@ -11,6 +11,7 @@ import numpy as np
 from gravcomp.twin.encoder import NO_PERIOD, DecoderConfig, quadrature, wrap_32
 
 Signals = Mapping[str, np.ndarray]
+QUIET = ("rst", "error", "cfg_home_enable", "cfg_index_position", "cfg_index_period", "cfg_clear")
 SPEED_LATENCY = 3  # clocks from count to speed
 
 
@@ -26,8 +27,7 @@ def stimulus(position: np.ndarray, config: DecoderConfig, index_at: int | None =
     if index_at is not None:
         assert index_at % 4 == config.index_phase
         z = (np.abs(2 * (position - index_at) + 1 - index_width % 2) <= index_width - 1).astype(np.int64)
-    quiet = {name: np.zeros_like(a) for name in ("rst", "cfg_home_enable", "cfg_index_position", "cfg_clear")}
-    return {"position": position, "a": a, "b": b, "z": z, **quiet}
+    return {"position": position, "a": a, "b": b, "z": z, **{name: np.zeros_like(a) for name in QUIET}}
 
 
 def path(steps: np.ndarray, clocks: np.ndarray, start: int = 0) -> np.ndarray:
@@ -82,19 +82,19 @@ def latency(config, rng):
 
 
 def glitches(config, rng):
-    """Pulses shorter than the filter on all pins at rest: never counted, reported."""
+    """Pulses shorter than the filter at rest, on one of a and b at a time, and on z: never counted, reported."""
     n = config.filter_samples
     inputs = stimulus(np.repeat(np.arange(4), 30 * n + 30), config)
     toggles = np.flatnonzero(np.diff(inputs["position"]))
     blocked = np.zeros(len(inputs["a"]), bool)
     for k in [0, *toggles]:
         blocked[k : k + 2 * config.latency + 2] = True
-    for pin in "abz":
+    for selected in ("ab", "z"):
         k = 0
         while n > 1 and k < len(blocked) - 4 * n:
             length = int(rng.integers(1, n))
             if not blocked[k : k + length + n].any():
-                inputs[pin][k : k + length] ^= 1
+                inputs[selected[int(rng.integers(len(selected)))]][k : k + length] ^= 1
             k += length + int(rng.integers(1, 2 * n))
 
     def check(out):
@@ -170,7 +170,7 @@ def illegal(config, rng):
     spacing = 4 * config.latency + 10
     steps = np.array([2, 1, -2, -1, 2, 2, 1])
     index_at = config.index_phase
-    position = np.concatenate((path([1] * 8, np.full(8, spacing), -3), path(steps, np.full(7, spacing), 5)))
+    position = np.concatenate((path([1] * 10, np.full(10, spacing), -5), path(steps, np.full(7, spacing), 5)))
     inputs = stimulus(position, config, index_at)
     inputs["cfg_home_enable"][1:] = 1
     jumps = np.flatnonzero(np.abs(np.diff(inputs["position"])) == 2) + 1
@@ -381,10 +381,11 @@ def noise(config, rng):
     """Anything on any input: nothing to claim beyond equality with the bit-true model."""
     inputs = stimulus(np.zeros(2500, np.int64), config)
     length = len(inputs["a"])
-    for name, probability in dict(a=0.2, b=0.2, z=0.1, cfg_home_enable=0.05, cfg_clear=0.02).items():
+    for name, probability in dict(a=0.2, b=0.2, z=0.1, error=0.002, cfg_home_enable=0.05, cfg_clear=0.02).items():
         inputs[name][:] = np.cumsum(rng.random(length) < probability) % 2
     inputs["rst"][1:] = rng.random(length - 1) < 0.003
     inputs["cfg_index_position"][:] = rng.integers(-(2**31), 2**31, length)
+    inputs["cfg_index_period"][:] = rng.integers(0, 3, length) * 4
     return inputs, lambda out: None
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from encoder_losses import LOSSES
 from encoder_scenarios import SCENARIOS, pins
 from gravcomp.twin.encoder import DecoderConfig, quad_decoder, quadrature, wrap_32
 
@@ -18,6 +19,14 @@ CONFIGS = [
 def test_quad_decoder_follows_the_encoder(name, config):
     print(f"seed {SEED}")
     inputs, check = SCENARIOS[name](config, np.random.default_rng(SEED))
+    check(quad_decoder(pins(inputs), config))
+
+
+@pytest.mark.parametrize("seed", range(SEED, SEED + 4))
+@pytest.mark.parametrize("config", CONFIGS[3:], ids=str)
+@pytest.mark.parametrize("name", LOSSES)
+def test_quad_decoder_tells_lost_counts(name, config, seed):
+    inputs, check = LOSSES[name](config, np.random.default_rng(seed))
     check(quad_decoder(pins(inputs), config))
 
 

@@ -7,6 +7,7 @@
 -- After reset, or while in_valid = '0', out_valid is low until samples_g successive samples agree: the first level
 -- is learnt, so that a pin that rests high makes no edge at start-up.
 -- Latency: samples_g clocks. samples_g = 1 is a register; samples_g = 0 is wires (no latency, nothing dropped).
+-- out_sample is the newest sample that out_level is made of: while the two are equal, nothing waits in the filter.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -23,6 +24,7 @@ entity gc_glitch_filter is
     in_level    : in    std_ulogic;
     out_valid   : out   std_ulogic;
     out_level   : out   std_ulogic;
+    out_sample  : out   std_ulogic;
     -- a pulse was too short and was dropped, one clock
     out_dropped : out   std_ulogic
   );
@@ -36,12 +38,14 @@ begin
 
     out_valid <= in_valid;
     out_level <= in_level;
+    out_sample <= in_level;
     out_dropped <= '0';
 
   else generate
 
     signal known   : std_ulogic := '0';
     signal level   : std_ulogic := '0';
+    signal sample  : std_ulogic := '0';
     signal dropped : std_ulogic := '0';
     -- successive samples: equal to level while it is being learnt, different from level afterwards
     signal run     : natural range 0 to samples_g := 0;
@@ -50,6 +54,7 @@ begin
 
     out_valid <= known;
     out_level <= level;
+    out_sample <= sample;
     out_dropped <= dropped;
 
     p_filter : process (clk) is
@@ -60,6 +65,7 @@ begin
 
       if rising_edge(clk) then
         dropped <= '0';
+        sample <= in_level;
 
         if known = '0' and in_level = level then
           run_v := run + 1;

@@ -21,6 +21,8 @@ class DecoderConfig:
     filter_samples: int = 4
     index_phase: int = 2
     speed_timeout: int = 10_000_000
+    reversal_clocks: int = 250
+    dither_clocks: int = 40
 
     @property
     def latency(self) -> int:
@@ -31,6 +33,16 @@ class DecoderConfig:
     def shortest_level(self) -> int:
         """Limit speed: the clocks that each level of a and b must last; two counts take as long."""
         return max(self.filter_samples, 2)
+
+    @property
+    def shortest_period(self) -> int:
+        """Clocks per four counts at the limit speed: what is faster reads the same, or loses counts."""
+        return 2 * self.shortest_level
+
+    @property
+    def mark_clocks(self) -> int:
+        """Clocks at an index after which z, if it is there, has passed its filter."""
+        return 4 * self.filter_samples + 4
 
 
 def quadrature(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -53,12 +65,11 @@ def synchronizer(rst: np.ndarray, async_data: np.ndarray, stages: int) -> tuple[
     return valid, data
 
 
-def glitch_filter(
-    rst: np.ndarray, in_valid: np.ndarray, in_level: np.ndarray, samples: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """gc_glitch_filter: (out_valid, out_level, out_dropped)."""
+def glitch_filter(rst: np.ndarray, in_valid: np.ndarray, in_level: np.ndarray, samples: int) -> dict[str, np.ndarray]:
+    """gc_glitch_filter: its outputs by port name."""
     if samples == 0:
-        return in_valid, in_level, np.zeros_like(in_level)
+        quiet = np.zeros_like(in_level)
+        return {"out_valid": in_valid, "out_level": in_level, "out_sample": in_level, "out_dropped": quiet}
     out = np.zeros((3, len(rst)), np.int64)
     known, level, run = 0, 0, 0
     for k in range(len(rst) - 1):
@@ -76,7 +87,102 @@ def glitch_filter(
         if rst[k] or not in_valid[k]:
             known, run, dropped = 0, 0, 0
         out[:, k + 1] = known, level, dropped
-    return out[0], out[1], out[2]
+    sample = np.concatenate(([0], in_level[:-1]))
+    return {"out_valid": out[0], "out_level": out[1], "out_sample": sample, "out_dropped": out[2]}
+
+
+def phase_of(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """0 1 2 3 for (a, b) = 00 10 11 01."""
+    return 2 * b + (a ^ b)
+
+
+def count_check(rst: np.ndarray, in_valid: np.ndarray, sample: np.ndarray, level: np.ndarray) -> np.ndarray:
+    """gc_count_check: out_lost, from phases instead of levels."""
+    out = np.zeros(len(rst), np.int64)
+    sampled = np.diff(sample, prepend=0) % 4
+    passed = np.diff(level, prepend=0) % 4
+    ahead = (sample - level) % 4
+    signed = (0, 1, 2, -1)
+    lead, both = 0, 0
+    for k in range(len(rst) - 1):
+        both ^= int(sampled[k] == 2)
+        lead += signed[sampled[k]] * (sampled[k] != 2) - signed[passed[k]]
+        lead = (lead + 4) % 8 - 4
+        starts = not in_valid[k] or passed[k] == 2
+        wrong = (lead or both) if ahead[k] == 0 else both and passed[k]
+        if starts or wrong:
+            lead, both = signed[ahead[k]], 0
+        if rst[k]:
+            lead, both = 0, 0
+        out[k + 1] = bool(wrong) and not starts and not rst[k]
+    return out
+
+
+def edge_watch(
+    rst: np.ndarray,
+    step_valid: np.ndarray,
+    step_up: np.ndarray,
+    step_illegal: np.ndarray,
+    reversal_clocks: int,
+    dither_clocks: int,
+    suspect_edges: int = 16,
+    dither_edges: int = 64,
+) -> np.ndarray:
+    """gc_edge_watch: out_broken. Takes time by the step, not by the clock."""
+    out = np.zeros(len(rst), np.int8)
+    known, up, quick, suspect, edges, reserve, before = (0,) * 7
+    for k in np.flatnonzero(rst | step_valid | step_illegal).tolist():
+        if k == len(rst) - 1:
+            break
+        broken, new = 0, int(step_up[k])
+        if step_valid[k]:
+            since, before = k - before, k
+            if not known or new == up:
+                quick = known and since < reversal_clocks
+                suspect, edges, reserve = 0, 0, 0
+            else:
+                suspect |= quick and since < 2 * reversal_clocks
+                edges += suspect
+                reserve = max(reserve - since, 0) + dither_clocks
+                quick, broken = 0, int(edges == suspect_edges or reserve >= dither_edges * dither_clocks)
+            known, up = 1, new
+        if broken or step_illegal[k] or rst[k]:
+            known, quick, suspect, edges, reserve = (0,) * 5
+        out[k + 1] = broken and not rst[k]
+    return out
+
+
+class IndexCheck:
+    """gc_index_check, a clock at a time: part of the loop from sts_referenced back to itself."""
+
+    def __init__(self, mark_clocks: int):
+        self.mark_clocks = mark_clocks
+        self.out_lost = 0
+        self.last, self.residue = 2**32 - 1, 0
+        self.pins_1 = self.pins_2 = (0, 0, 0)
+        self.at_2 = self.near_2 = 0
+        self.stay = self.seen = 0
+
+    def clock(self, rst: int, step: int, home: int, pins: tuple[int, int, int], period: int) -> None:
+        """One clock edge; step is +1, -1 or 0, pins is (in_referenced, in_phase, in_z)."""
+        referenced, phase, z = self.pins_2
+        at_mark = phase and self.at_2
+        self.out_lost = int(z and (not self.near_2 or (phase and not self.at_2)))
+        if not at_mark and self.stay == self.mark_clocks and not self.seen:
+            self.out_lost = 1
+        self.stay = min(self.stay + 1, self.mark_clocks) if at_mark else 0
+        self.seen = int(at_mark and (self.seen or z))
+        if rst or not referenced:
+            self.out_lost = self.stay = self.seen = 0
+        self.pins_2, self.at_2 = self.pins_1, int(self.residue == 0)
+        self.near_2 = int(self.residue <= 4 or (self.last - self.residue) % 2**32 < 4)
+        if home:
+            self.residue = 0
+        elif step > 0:
+            self.residue = 0 if self.residue == self.last else (self.residue + 1) % 2**32
+        elif step < 0:
+            self.residue = self.last if self.residue == 0 else self.residue - 1
+        self.pins_1, self.last = pins, (period - 1) % 2**32
 
 
 def speed_meter(
@@ -125,46 +231,76 @@ def _signed_period(rst, edges, up, zero, step, elapsed) -> dict[str, np.ndarray]
 
 
 def quad_decoder(inputs: Mapping[str, np.ndarray], config: DecoderConfig) -> dict[str, np.ndarray]:
-    """gc_quad_decoder: its outputs by port name, from all its inputs but clk by port name (bits as integers 0, 1)."""
+    """gc_quad_decoder: its outputs by port name, from all its inputs but clk by port name (bits as integers 0, 1).
+
+    error and cfg_index_period may be left out, as they may in VHDL.
+    """
     rst = inputs["rst"]
-    filtered = []
+    inputs = {name: np.zeros_like(rst) for name in ("error", "cfg_index_period")} | dict(inputs)
+    filtered = {}
     for pin in "abz":
         synced = synchronizer(rst, inputs[pin], config.sync_stages)
-        filtered.append(glitch_filter(rst, *synced, config.filter_samples))
-    out, steps = _decode(inputs, np.array(filtered), config)
-    return out | speed_meter(rst, steps[0], out["direction"], steps[1], config.speed_timeout)
+        filtered[pin] = glitch_filter(rst, *synced, config.filter_samples)
+    out, steps = _decode(inputs, filtered, config)
+    return out | speed_meter(rst, steps["valid"], out["direction"], steps["lost"], config.speed_timeout)
 
 
-def _decode(inputs, filtered, config) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Process p_decode: its outputs, and (step_valid, step_lost). filtered[pin a b z][valid level dropped][k]."""
-    (valid_a, a, dropped_a), (valid_b, b, dropped_b), (valid_z, z, _) = filtered
-    phase = 2 * b + (a ^ b)
-    names = ("count_valid", "count", "direction", "sts_referenced", "sts_illegal", "sts_glitch")
-    out = {name: np.zeros(len(phase), np.int64) for name in names}
-    steps = np.zeros((2, len(phase)), np.int64)
-    count_valid, count, direction, referenced, illegal, glitch, phase_1, enable_1, armed = (0,) * 9
-    for k in range(len(phase) - 1):
-        change = (phase[k] - phase_1) % 4 if count_valid else 0
+def _decode(inputs, filtered, config) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Process p_decode and the checks of its count: its outputs, and the steps for the speed meter."""
+    a, b, z = (filtered[pin] for pin in "abz")
+    rst, n_clocks = inputs["rst"], len(inputs["rst"])
+    phase = phase_of(a["out_level"], b["out_level"])
+    is_known = a["out_valid"] & b["out_valid"]
+    count_valid = np.zeros(n_clocks, np.int64)
+    for k in range(n_clocks - 1):
+        count_valid[k + 1] = not rst[k] and (count_valid[k] or is_known[k])
+    change = np.where(count_valid, np.diff(phase, prepend=0) % 4, 0)
+    in_phase, z_level = (phase == config.index_phase).astype(np.int64), z["out_valid"] & z["out_level"]
+
+    def registered(values):
+        return np.concatenate(([0], (values & ~(rst & 1))[:-1]))
+
+    steps = {"valid": registered(change & 1), "illegal": registered((change == 2).astype(np.int64))}
+    up = np.zeros(n_clocks, np.int64)
+    for k in range(n_clocks - 1):
+        up[k + 1] = 0 if rst[k] else change[k] == 1 if change[k] & 1 else up[k]
+    lost_cycle = count_check(rst, count_valid, phase_of(a["out_sample"], b["out_sample"]), phase)
+    watch = (rst, steps["valid"], up, steps["illegal"], config.reversal_clocks, config.dither_clocks)
+    error_valid, error = synchronizer(rst, inputs["error"], config.sync_stages)
+    lost = lost_cycle | edge_watch(*watch) | (error_valid & error)
+
+    names = ("count", "sts_referenced", "sts_illegal", "sts_glitch", "lost")
+    out = {name: np.zeros(n_clocks, np.int64) for name in names}
+    check = IndexCheck(config.mark_clocks)
+    count, referenced, illegal, glitch, enable_1, homing, armed, homed = (0,) * 8
+    at_1 = z_1 = 0
+    for k in range(n_clocks - 1):
+        is_lost = bool(lost[k] or check.out_lost)
+        step = int(steps["valid"][k]) * (2 * int(up[k]) - 1)
+        check.clock(rst[k], step, homed, (referenced, at_1, z_1), int(inputs["cfg_index_period"][k]) % 2**32)
+        at_1, z_1, homed = int(in_phase[k]), int(z_level[k]), 0
         if inputs["cfg_clear"][k]:
             illegal, glitch = 0, 0
-        glitch |= dropped_a[k] | dropped_b[k]
-        if change == 2:
+        glitch |= a["out_dropped"][k] | b["out_dropped"][k]
+        if change[k] & 1:
+            count = wrap_32(count + (1 if change[k] == 1 else -1))
+        if is_lost or change[k] == 2:
             illegal, referenced = 1, 0
-        elif change:
-            direction = int(change == 1)
-            count = wrap_32(count + 2 * direction - 1)
         enable = inputs["cfg_home_enable"][k]
-        if enable and not enable_1:
-            armed, referenced = 1, 0
-        elif enable and armed and count_valid and valid_z[k] and z[k] and phase[k] == config.index_phase:
-            armed, referenced, count = 0, 1, int(inputs["cfg_index_position"][k])
+        if not enable:
+            homing, armed = 0, 0
+        elif not enable_1:
+            homing, armed, referenced = 1, 0, 0
+        elif homing and count_valid[k] and z["out_valid"][k] and in_phase[k]:
+            if not z["out_level"][k]:
+                armed = 1
+            elif armed:
+                homing, homed, referenced, count = 0, 1, 1, int(inputs["cfg_index_position"][k])
         enable_1 = enable
-        if valid_a[k] and valid_b[k]:
-            count_valid, phase_1 = 1, phase[k]
-        steps[:, k + 1] = change in (1, 3), change == 2
-        if inputs["rst"][k]:
-            count_valid, count, direction, referenced, illegal, glitch, enable_1, armed = (0,) * 8
-            steps[:, k + 1] = 0
-        for name, value in zip(names, (count_valid, count, direction, referenced, illegal, glitch), strict=True):
+        if rst[k]:
+            count, referenced, illegal, glitch, enable_1, homing, homed, is_lost = (0,) * 8
+        values = (count, referenced, illegal, glitch, is_lost or (change[k] == 2 and not rst[k]))
+        for name, value in zip(names, values, strict=True):
             out[name][k + 1] = value
-    return out, steps
+    steps["lost"] = out.pop("lost")
+    return out | {"count_valid": count_valid, "direction": up}, steps
