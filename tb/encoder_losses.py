@@ -137,18 +137,18 @@ def short_levels(config, rng):
 def broken(config, rng, *, at_rest: bool, clocks: int, most_counts: int):
     """A wire of a or b breaks and stays high or low; found within so many counts of travel."""
     start = int(rng.integers(4))
-    before = path(np.ones(20, np.int64), np.full(20, 3 * clocks), start)
-    steps = np.full(most_counts + 40, rng.choice([-1, 1]))
+    before = path(np.ones(20, np.int64), np.full(20, clocks), start)
+    steps = np.full(most_counts + 40, rng.choice([-1, 1]) if at_rest else 1)
     after = path(steps, np.full(len(steps), clocks), int(before[-1]))
     rest = np.full(3000 if at_rest else 0, before[-1])
     inputs = stimulus(np.concatenate((before, rest, after)), config)
-    breaks = 2 * config.latency + 2 + len(before) + len(rest) // 2
+    breaks = 2 * config.latency + 2 + len(before) + (len(rest) // 2 if at_rest else int(rng.integers(4 * clocks)))
     inputs["ab"[int(rng.integers(2))]][breaks:] = int(rng.integers(2))
 
     def check(out):
         assert out["sts_illegal"].any(), "not found"
         found = int(np.flatnonzero(out["sts_illegal"])[0])
-        travel = abs(int(inputs["position"][found - config.latency] - before[-1]))
+        travel = abs(int(inputs["position"][found - config.latency] - inputs["position"][breaks]))
         assert found > breaks
         assert travel <= most_counts, f"found after {travel} counts"
 
