@@ -6,7 +6,7 @@ All need a filter of 4 samples or more.
 import numpy as np
 
 from encoder_scenarios import delayed, path, stimulus
-from gravcomp.encoder import DecoderConfig
+from gravcomp.twin.encoder import DecoderConfig
 
 SUSPECT_COUNTS = 36  # of gc_edge_watch: 2 suspect_edges_g + 4
 

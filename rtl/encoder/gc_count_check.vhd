@@ -5,11 +5,11 @@
 --
 --   lead = counts of the samples - counts of the filtered levels, modulo 8
 --
--- Where samples and levels agree, nothing waits in a filter and lead is a multiple of 4: it must be 0. If it is not, the
--- encoder has turned a whole cycle that the filters did not see: out_lost, one clock, and lead starts anew. That is
--- exact as long as a and b change one at a time.
+-- Where samples and levels agree, nothing waits in a filter, and lead is 0 or four counts ahead or behind: the encoder
+-- has turned a whole cycle that the filters did not see. out_lost tells that, one clock, and lead starts anew.
 -- Samples of a and b that change at once are two counts of unknown direction. The next such change takes them back, as
--- at the end of a pulse that comes and goes on both channels; if the levels agree or change before, counts are lost.
+-- at the end of a pulse that comes and goes on both channels; if samples and levels agree before, or a level changes,
+-- or lead comes to four, counts are lost.
 -- Levels that change at once are left to gc_quad_decoder: lead starts anew.
 -- Latency: 1 clock from in_sample, in_level to out_lost.
 
@@ -42,6 +42,9 @@ architecture rtl of gc_count_check is
     return b_a(1) & (b_a(0) xor b_a(1));
 
   end function phase_of;
+
+  -- ahead or behind
+  constant four_c : signed(2 downto 0) := "100";
 
   signal sample_1 : unsigned(1 downto 0) := (others => '0');
   signal level_1  : unsigned(1 downto 0) := (others => '0');
@@ -87,9 +90,9 @@ begin
         lead_v := lead_v + 1;
       end if;
 
-      if ahead_v = 0 and (lead_v /= 0 or both_v = '1') then
+      if lead_v = four_c then
         lost_v := '1';
-      elsif passed_v /= 0 and both_v = '1' then
+      elsif both_v = '1' and (ahead_v = 0 or passed_v /= 0) then
         lost_v := '1';
       end if;
       if passed_v = 2 or in_valid = '0' then

@@ -59,6 +59,10 @@ architecture rtl of gc_edge_watch is
 
 begin
 
+  assert dither_edges_g > 1
+    report "gc_edge_watch: need dither_edges_g >= 2, got " & integer'image(dither_edges_g)
+    severity failure;
+
   p_watch : process (clk) is
 
     variable suspect_v : std_ulogic;

@@ -109,7 +109,7 @@ def count_check(rst: np.ndarray, in_valid: np.ndarray, sample: np.ndarray, level
         lead += signed[sampled[k]] * (sampled[k] != 2) - signed[passed[k]]
         lead = (lead + 4) % 8 - 4
         starts = not in_valid[k] or passed[k] == 2
-        wrong = (lead or both) if ahead[k] == 0 else both and passed[k]
+        wrong = lead == -4 or (both and (ahead[k] == 0 or passed[k]))
         if starts or wrong:
             lead, both = signed[ahead[k]], 0
         if rst[k]:
@@ -125,6 +125,7 @@ def edge_watch(
     step_illegal: np.ndarray,
     reversal_clocks: int,
     dither_clocks: int,
+    *,
     suspect_edges: int = 16,
     dither_edges: int = 64,
 ) -> np.ndarray:
