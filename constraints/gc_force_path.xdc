@@ -3,4 +3,4 @@
 create_clock -name clk -period 25.000 [get_ports clk]
 
 # Each pin ends in a synchroniser, whose flip-flops carry ASYNC_REG in the VHDL.
-set_false_path -from [get_ports {pin_a[*] pin_b[*] pin_z[*]}]
+set_false_path -from [get_ports {pin_a[*] pin_b[*] pin_z[*] pin_error[*]}]

@@ -68,6 +68,11 @@ extern "C" {
 #define GC_REGISTERS__TRAINED_HIGHX__VALUE_bp 0
 #define GC_REGISTERS__TRAINED_HIGHX__VALUE_bw 32
 
+// reg - gc_registers.encoder_geometry
+#define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bm 0xffff
+#define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bp 0
+#define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bw 16
+
 // reg - gc_registers.control
 #define GC_REGISTERS__CONTROL__ENABLE_bm 0x1
 #define GC_REGISTERS__CONTROL__ENABLE_bp 0
@@ -167,6 +172,12 @@ extern "C" {
 #define GC_REGISTERS__WINDOW_HIGHX__VALUE_bp 0
 #define GC_REGISTERS__WINDOW_HIGHX__VALUE_bw 32
 #define GC_REGISTERS__WINDOW_HIGHX__VALUE_reset 0x0
+
+// reg - gc_registers.index_period[]
+#define GC_REGISTERS__INDEX_PERIODX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__INDEX_PERIODX__VALUE_bp 0
+#define GC_REGISTERS__INDEX_PERIODX__VALUE_bw 32
+#define GC_REGISTERS__INDEX_PERIODX__VALUE_reset 0x0
 
 // reg - gc_registers.result_number
 #define GC_REGISTERS__RESULT_NUMBER__VALUE_bm 0xffffffff
@@ -406,7 +417,9 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t trained_low[3];
     uint8_t RESERVED_5c_5f[0x4];
     uint32_t trained_high[3];
-    uint8_t RESERVED_6c_7f[0x14];
+    uint8_t RESERVED_6c_6f[0x4];
+    uint32_t encoder_geometry;
+    uint8_t RESERVED_74_7f[0xc];
     uint32_t control;
     uint32_t command;
     uint32_t tick_clocks;
@@ -424,7 +437,9 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t window_low[3];
     uint8_t RESERVED_cc_cf[0x4];
     uint32_t window_high[3];
-    uint8_t RESERVED_dc_ff[0x24];
+    uint8_t RESERVED_dc_ef[0x14];
+    uint32_t index_period[3];
+    uint8_t RESERVED_fc_ff[0x4];
     uint32_t result_number;
     uint32_t missed_ticks;
     uint32_t status;

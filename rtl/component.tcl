@@ -6,6 +6,8 @@ proc init_gui {IPINST} {
     ipgui::add_param $IPINST -name clock_hz_g
     ipgui::add_param $IPINST -name filter_samples_g
     ipgui::add_param $IPINST -name speed_timeout_g
+    ipgui::add_param $IPINST -name reversal_clocks_g
+    ipgui::add_param $IPINST -name dither_clocks_g
     ipgui::add_param $IPINST -name loadable_g
 }
 
@@ -47,6 +49,26 @@ proc validate_PARAM_VALUE.speed_timeout_g {PARAM_VALUE.speed_timeout_g} {
 
 proc update_MODELPARAM_VALUE.speed_timeout_g {MODELPARAM_VALUE.speed_timeout_g PARAM_VALUE.speed_timeout_g} {
     set_property value [get_property value ${PARAM_VALUE.speed_timeout_g}] ${MODELPARAM_VALUE.speed_timeout_g}
+}
+
+proc update_PARAM_VALUE.reversal_clocks_g {PARAM_VALUE.reversal_clocks_g} {}
+
+proc validate_PARAM_VALUE.reversal_clocks_g {PARAM_VALUE.reversal_clocks_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.reversal_clocks_g {MODELPARAM_VALUE.reversal_clocks_g PARAM_VALUE.reversal_clocks_g} {
+    set_property value [get_property value ${PARAM_VALUE.reversal_clocks_g}] ${MODELPARAM_VALUE.reversal_clocks_g}
+}
+
+proc update_PARAM_VALUE.dither_clocks_g {PARAM_VALUE.dither_clocks_g} {}
+
+proc validate_PARAM_VALUE.dither_clocks_g {PARAM_VALUE.dither_clocks_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.dither_clocks_g {MODELPARAM_VALUE.dither_clocks_g PARAM_VALUE.dither_clocks_g} {
+    set_property value [get_property value ${PARAM_VALUE.dither_clocks_g}] ${MODELPARAM_VALUE.dither_clocks_g}
 }
 
 proc update_PARAM_VALUE.loadable_g {PARAM_VALUE.loadable_g} {}

@@ -142,7 +142,7 @@ async def preset_takes_a_decoder_anywhere(dut):
     rows = [await record(dut, 20)]
     index = 123456 // 4 * 4 + config.index_phase
     dut.index_count.value = index
-    rows.append(await load(dut, index))
+    rows.append(await load(dut, index - 8))
     rows.append(await record(dut, 30))
     dut.target.value = index + 7
     rows.append(await record(dut, 60))

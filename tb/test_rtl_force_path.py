@@ -68,14 +68,15 @@ class Bench:
         raise AssertionError(f"waited {most_clocks} clocks in vain")
 
     async def home_near(self, counts: np.ndarray) -> None:
-        """Home the axes at indices beside the counts: a jump of whole encoder cycles, the last edges on the pins."""
+        """Home the axes at indices beside the counts: a jump of whole encoder cycles, the last two on the pins."""
         index = counts - (counts - 2) % 4  # the decoder takes the index in phase 2
-        self.dut.index_count.value = self.dut.target.value = pack(index, COUNT_BITS)
+        self.dut.index_count.value = self.dut.target.value = pack(index - 8, COUNT_BITS)
         self.dut.load.value = 1
         self.dut.home_enable.value = 0
         await self.clocks(1)
         self.dut.load.value = 0
         self.dut.home_enable.value = 1
+        self.dut.index_count.value = pack(index, COUNT_BITS)
         await self.walk_to(index)
         assert self.dut.sts_referenced.value == 2 ** len(counts) - 1
 

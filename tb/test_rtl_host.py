@@ -56,12 +56,7 @@ class Robot:
         self.load = resume(self._load)
 
     async def _load(self) -> None:
-        dut = self.system.dut
-        await self.system.clocks(1)
-        dut.index_count.value = dut.target.value = pack(INDEX, COUNT_BITS)
-        dut.load.value = 1
-        await self.system.clocks(1)
-        dut.load.value = 0
+        await self.system.put_before(INDEX)
         await self.system.clocks(60)
 
     def stop(self, is_pressed: bool) -> None:
@@ -190,6 +185,7 @@ async def example(dut):
         while dut.settings_home.value != 7:
             await system.clocks(10)
             dut.settings_bits.value = dut.i_system.core_settings_word.value
+        await system.walk_to(np.array([-8, -8, -8]))
         await system.walk_to(np.array([8, 8, 8]))
         await system.walk_to(np.array([4, 4, 4]))
 

@@ -56,19 +56,24 @@ class System:
             await FallingEdge(self.dut.clk)
 
     async def home_near(self, counts: np.ndarray) -> None:
-        """Home the axes, by the registers, at indices beside the counts; the last edges are on the pins."""
+        """Home the axes, by the registers, at indices beside the counts."""
         index = counts - (counts - 2) % 4  # the decoder takes the index in phase 2
         await self.registers.write_axes("index_position", index)
         await self.registers.write("control", 0)
         await self.registers.write("control", 7 << 4)
-        await self.clocks(1)
-        self.dut.index_count.value = self.dut.target.value = pack(index, COUNT_BITS)
-        self.dut.load.value = 1
-        await self.clocks(1)
-        self.dut.load.value = 0
+        await self.put_before(index)
         await self.walk_to(index)
         assert await self.registers.read("result_number") == 0
         assert await self.registers.field("axis_flags", "referenced") == 7
+
+    async def put_before(self, index: np.ndarray) -> None:
+        """A jump of whole encoder cycles to two of them before the index: the last one is on the pins, without z."""
+        await self.clocks(1)
+        self.dut.index_count.value = self.dut.target.value = pack(index - 8, COUNT_BITS)
+        self.dut.load.value = 1
+        await self.clocks(1)
+        self.dut.load.value = 0
+        self.dut.index_count.value = pack(index, COUNT_BITS)
 
     async def walk_to(self, counts: np.ndarray) -> None:
         self.dut.target.value = pack(counts, COUNT_BITS)

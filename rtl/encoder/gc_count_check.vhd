@@ -34,6 +34,7 @@ end entity gc_count_check;
 architecture rtl of gc_count_check is
 
   -- 0 1 2 3 for (a, b) = 00 10 11 01
+
   function phase_of (
     b_a : std_ulogic_vector(1 downto 0)
   ) return unsigned is

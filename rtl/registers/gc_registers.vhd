@@ -92,6 +92,7 @@ architecture rtl of gc_registers is
         compensation_hash : std_logic_array1(0 to 7);
         trained_low : std_logic_array1(0 to 2);
         trained_high : std_logic_array1(0 to 2);
+        encoder_geometry : std_logic;
         control : std_logic;
         command : std_logic;
         tick_clocks : std_logic;
@@ -106,6 +107,7 @@ architecture rtl of gc_registers is
         brake_clocks : std_logic;
         window_low : std_logic_array1(0 to 2);
         window_high : std_logic_array1(0 to 2);
+        index_period : std_logic_array1(0 to 2);
         result_number : std_logic;
         missed_ticks : std_logic;
         status : std_logic;
@@ -295,6 +297,16 @@ architecture rtl of gc_registers is
     end record;
     type gc_registers_window_high_combo_t_array is array(natural range <>) of gc_registers_window_high_combo_t;
 
+    type gc_registers_index_period_value_combo_t is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_index_period_combo_t is record
+        value : gc_registers_index_period_value_combo_t;
+    end record;
+    type gc_registers_index_period_combo_t_array is array(natural range <>) of gc_registers_index_period_combo_t;
+
     type gc_registers_fault_clear_combo_t is record
         next_q : std_logic_vector(9 downto 0);
         load_next : std_logic;
@@ -409,6 +421,7 @@ architecture rtl of gc_registers is
         brake_clocks : gc_registers_brake_clocks_combo_t;
         window_low : gc_registers_window_low_combo_t_array(0 to 2);
         window_high : gc_registers_window_high_combo_t_array(0 to 2);
+        index_period : gc_registers_index_period_combo_t_array(0 to 2);
         fault : gc_registers_fault_combo_t;
         interrupt_enable : gc_registers_interrupt_enable_combo_t;
         interrupt_status : gc_registers_interrupt_status_combo_t;
@@ -555,6 +568,15 @@ architecture rtl of gc_registers is
     end record;
     type gc_registers_window_high_storage_t_array is array(natural range <>) of gc_registers_window_high_storage_t;
 
+    type gc_registers_index_period_value_storage_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_index_period_storage_t is record
+        value : gc_registers_index_period_value_storage_t;
+    end record;
+    type gc_registers_index_period_storage_t_array is array(natural range <>) of gc_registers_index_period_storage_t;
+
     type gc_registers_fault_clear_storage_t is record
         value : std_logic_vector(9 downto 0);
     end record;
@@ -656,6 +678,7 @@ architecture rtl of gc_registers is
         brake_clocks : gc_registers_brake_clocks_storage_t;
         window_low : gc_registers_window_low_storage_t_array(0 to 2);
         window_high : gc_registers_window_high_storage_t_array(0 to 2);
+        index_period : gc_registers_index_period_storage_t_array(0 to 2);
         fault : gc_registers_fault_storage_t;
         interrupt_enable : gc_registers_interrupt_enable_storage_t;
         interrupt_status : gc_registers_interrupt_status_storage_t;
@@ -994,6 +1017,9 @@ begin
             is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#60# + i0*16#4#));
             is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#60# + i0*16#4#) and not cpuif_req_is_wr);
         end loop;
+        decoded_reg_strb.encoder_geometry <= cpuif_req_masked and (cpuif_addr = 16#70#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#70#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#70#) and not cpuif_req_is_wr);
         decoded_reg_strb.control <= cpuif_req_masked and (cpuif_addr = 16#80#);
         is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#80#));
         is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#80#));
@@ -1041,6 +1067,11 @@ begin
             decoded_reg_strb.window_high(i0) <= cpuif_req_masked and (cpuif_addr = 16#D0# + i0*16#4#);
             is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#D0# + i0*16#4#));
             is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#D0# + i0*16#4#));
+        end loop;
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.index_period(i0) <= cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#));
         end loop;
         decoded_reg_strb.result_number <= cpuif_req_masked and (cpuif_addr = 16#100#) and not cpuif_req_is_wr;
         is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#100#));
@@ -1677,6 +1708,37 @@ begin
         end process;
         hwif_out.window_high(i0).value.value <= field_storage.window_high(i0).value.value;
     end generate;
+    gen_field_logic_index_period_dim0: for i0 in 0 to 2 generate
+
+        -- Field: gc_registers.index_period[].value
+        process(all)
+            variable next_c: std_logic_vector(31 downto 0);
+            variable load_next_c: std_logic;
+        begin
+            next_c := field_storage.index_period(i0).value.value;
+            load_next_c := '0';
+            if decoded_reg_strb.index_period(i0) and decoded_req_is_wr then -- SW write
+                next_c := (field_storage.index_period(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                load_next_c := '1';
+            end if;
+            field_combo.index_period(i0).value.next_q <= next_c;
+            field_combo.index_period(i0).value.load_next <= load_next_c;
+        end process;
+        process(clk) begin
+            if false then -- async reset
+                field_storage.index_period(i0).value.value <= 32x"0";
+            elsif rising_edge(clk) then
+                if rst then -- sync reset
+                    field_storage.index_period(i0).value.value <= 32x"0";
+                else
+                    if field_combo.index_period(i0).value.load_next then
+                        field_storage.index_period(i0).value.value <= field_combo.index_period(i0).value.next_q;
+                    end if;
+                end if;
+            end if;
+        end process;
+        hwif_out.index_period(i0).value.value <= field_storage.index_period(i0).value.value;
+    end generate;
 
     -- Field: gc_registers.fault.clear
     process(all)
@@ -2267,6 +2329,9 @@ begin
                 readback_data_var(31 downto 0) := hwif_in.trained_high(i0).value.next_q;
             end if;
         end loop;
+        if rd_mux_addr = 16#70# then
+            readback_data_var(15 downto 0) := hwif_in.encoder_geometry.filter_samples.next_q;
+        end if;
         if rd_mux_addr = 16#80# then
             readback_data_var(0) := field_storage.control.enable.value;
             readback_data_var(1) := field_storage.control.tick_enable.value;
@@ -2312,6 +2377,11 @@ begin
         for i0 in 0 to 2 loop
             if rd_mux_addr = 16#D0# + i0 * 16#4# then
                 readback_data_var(31 downto 0) := field_storage.window_high(i0).value.value;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#F0# + i0 * 16#4# then
+                readback_data_var(31 downto 0) := field_storage.index_period(i0).value.value;
             end if;
         end loop;
         if rd_mux_addr = 16#100# then

@@ -77,6 +77,14 @@ package gc_registers_pkg is
     end record;
     type gc_registers_trained_highx_in_t_array is array(natural range <>) of gc_registers_trained_highx_in_t;
 
+    type gc_registers_encoder_geometry_filter_samples_in_t is record
+        next_q : std_logic_vector(15 downto 0);
+    end record;
+
+    type gc_registers_encoder_geometry_in_t is record
+        filter_samples : gc_registers_encoder_geometry_filter_samples_in_t;
+    end record;
+
     type gc_registers_result_number_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
@@ -388,6 +396,7 @@ package gc_registers_pkg is
         compensation_hash : gc_registers_compensation_hashx_in_t_array(0 to 7);
         trained_low : gc_registers_trained_lowx_in_t_array(0 to 2);
         trained_high : gc_registers_trained_highx_in_t_array(0 to 2);
+        encoder_geometry : gc_registers_encoder_geometry_in_t;
         result_number : gc_registers_result_number_in_t;
         missed_ticks : gc_registers_missed_ticks_in_t;
         status : gc_registers_status_in_t;
@@ -544,6 +553,15 @@ package gc_registers_pkg is
     end record;
     type gc_registers_window_highx_out_t_array is array(natural range <>) of gc_registers_window_highx_out_t;
 
+    type gc_registers_index_periodx_value_out_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_index_periodx_out_t is record
+        value : gc_registers_index_periodx_value_out_t;
+    end record;
+    type gc_registers_index_periodx_out_t_array is array(natural range <>) of gc_registers_index_periodx_out_t;
+
     type gc_registers_fault_clear_out_t is record
         value : std_logic_vector(9 downto 0);
     end record;
@@ -614,6 +632,7 @@ package gc_registers_pkg is
         brake_clocks : gc_registers_brake_clocks_out_t;
         window_low : gc_registers_window_lowx_out_t_array(0 to 2);
         window_high : gc_registers_window_highx_out_t_array(0 to 2);
+        index_period : gc_registers_index_periodx_out_t_array(0 to 2);
         fault : gc_registers_fault_out_t;
         interrupt_status : gc_registers_interrupt_status_out_t;
         load_unlock : gc_registers_load_unlock_out_t;

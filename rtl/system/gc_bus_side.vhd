@@ -26,10 +26,11 @@ library work;
 
 entity gc_bus_side is
   generic (
-    -- What the registers say of the core: neurons per clock, Hz, whether it has banks.
-    lanes_g    : positive := 4;
-    clock_hz_g : positive := 40_000_000;
-    loadable_g : boolean := true
+    -- What the registers say of the core: neurons per clock, Hz, clocks of the encoders' filter, whether it has banks.
+    lanes_g          : positive := 4;
+    clock_hz_g       : positive := 40_000_000;
+    filter_samples_g : natural := 4;
+    loadable_g       : boolean := true
   );
   port (
     clk           : in    std_ulogic;
@@ -189,6 +190,7 @@ begin
   regs_in.geometry.outputs.next_q <= std_ulogic_vector(to_unsigned(outputs_c, 8));
   regs_in.geometry.lanes.next_q <= std_ulogic_vector(to_unsigned(lanes_g, 8));
   regs_in.clock_hz.value.next_q <= std_ulogic_vector(to_unsigned(clock_hz_g, 32));
+  regs_in.encoder_geometry.filter_samples.next_q <= std_ulogic_vector(to_unsigned(filter_samples_g, 16));
 
   g_hash : for i in 0 to 7 generate
     regs_in.weights_hash(i).value.next_q <= weights_hash_c(32 * (7 - i) + 31 downto 32 * (7 - i));
@@ -285,6 +287,7 @@ begin
     regs_in.trained_high(i).value.next_q <= std_ulogic_vector(to_signed(count_high_c(i), 32));
 
     out_settings.index_position(i) <= regs_out.index_position(i).value.value;
+    out_settings.index_period(i) <= regs_out.index_period(i).value.value;
     out_settings.window_low(i) <= regs_out.window_low(i).value.value;
     out_settings.window_high(i) <= regs_out.window_high(i).value.value;
 

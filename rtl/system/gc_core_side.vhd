@@ -19,19 +19,23 @@ library work;
 entity gc_core_side is
   generic (
     -- See gc_force_path.
-    lanes_g          : positive := 4;
-    filter_samples_g : natural := 4;
-    speed_timeout_g  : positive := 10_000_000;
-    loadable_g       : boolean := false
+    lanes_g           : positive := 4;
+    filter_samples_g  : natural := 4;
+    speed_timeout_g   : positive := 10_000_000;
+    reversal_clocks_g : positive := 250;
+    dither_clocks_g   : positive := 40;
+    loadable_g        : boolean := false
   );
   port (
     clk           : in    std_ulogic;
     -- Synchronous, active high.
     rst           : in    std_ulogic;
-    -- Encoder pins and emergency stop, asynchronous; axis 1 lowest. estop_n = '0' stops.
+    -- Encoder pins and emergency stop, asynchronous; axis 1 lowest. pin_error = '1': the others cannot be trusted.
+    -- estop_n = '0' stops.
     pin_a         : in    std_ulogic_vector(inputs_c - 1 downto 0);
     pin_b         : in    std_ulogic_vector(inputs_c - 1 downto 0);
     pin_z         : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_error     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
     estop_n       : in    std_ulogic;
     -- Settings; their command bits count only with in_valid.
     in_valid      : in    std_ulogic;
@@ -55,6 +59,7 @@ end entity gc_core_side;
 architecture rtl of gc_core_side is
 
   signal index_position : flat_t;
+  signal index_period   : flat_t;
   signal window_low     : flat_t;
   signal window_high    : flat_t;
   signal start          : std_ulogic;
@@ -113,6 +118,7 @@ architecture rtl of gc_core_side is
 begin
 
   index_position <= flat(in_settings.index_position);
+  index_period <= flat(in_settings.index_period);
   window_low <= flat(in_settings.window_low);
   window_high <= flat(in_settings.window_high);
 
@@ -142,10 +148,12 @@ begin
 
   i_force_path : entity work.gc_force_path
     generic map (
-      lanes_g          => lanes_g,
-      filter_samples_g => filter_samples_g,
-      speed_timeout_g  => speed_timeout_g,
-      loadable_g       => loadable_g
+      lanes_g           => lanes_g,
+      filter_samples_g  => filter_samples_g,
+      speed_timeout_g   => speed_timeout_g,
+      reversal_clocks_g => reversal_clocks_g,
+      dither_clocks_g   => dither_clocks_g,
+      loadable_g        => loadable_g
     )
     port map (
       clk                => clk,
@@ -153,8 +161,10 @@ begin
       pin_a              => pin_a,
       pin_b              => pin_b,
       pin_z              => pin_z,
+      pin_error          => pin_error,
       cfg_home_enable    => in_settings.home,
       cfg_index_position => index_position,
+      cfg_index_period   => unsigned(index_period),
       cfg_clear          => clear_encoder,
       in_valid           => begins,
       in_ready           => top_ready,

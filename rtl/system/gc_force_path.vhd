@@ -17,13 +17,16 @@ library work;
 entity gc_force_path is
   generic (
     -- Neurons per clock; must divide the hidden size.
-    lanes_g          : positive := 4;
+    lanes_g           : positive := 4;
     -- Clocks that an encoder level must last, 0 = no filter.
-    filter_samples_g : natural := 4;
+    filter_samples_g  : natural := 4;
     -- Clocks without an edge that count as standstill.
-    speed_timeout_g  : positive := 10_000_000;
+    speed_timeout_g   : positive := 10_000_000;
+    -- What the axes cannot do, and what they may do for ever, clocks: see gc_edge_watch.
+    reversal_clocks_g : positive := 250;
+    dither_clocks_g   : positive := 40;
     -- Whether all constants can be replaced at run time; see gc_loader and gc_bank_switch.
-    loadable_g       : boolean := false
+    loadable_g        : boolean := false
   );
   port (
     clk                : in    std_ulogic;
@@ -33,10 +36,14 @@ entity gc_force_path is
     pin_a              : in    std_ulogic_vector(inputs_c - 1 downto 0);
     pin_b              : in    std_ulogic_vector(inputs_c - 1 downto 0);
     pin_z              : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    -- A rising edge arms homing of the axis, '0' disarms it.
+    -- Error outputs of fail-safe receivers: '1' means that the axis' other pins cannot be trusted.
+    pin_error          : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
+    -- A rising edge begins homing of the axis, '0' ends it.
     cfg_home_enable    : in    std_ulogic_vector(inputs_c - 1 downto 0);
     -- Count at the index, encoder counts, axis 1 lowest.
     cfg_index_position : in    signed(inputs_c * count_bits_c - 1 downto 0);
+    -- Counts from index to index, 0 = there is one, axis 1 lowest.
+    cfg_index_period   : in    unsigned(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
     -- Clears the encoder flags.
     cfg_clear          : in    std_ulogic;
     -- Start of an inference on the counts of this clock, taken in a clock with in_ready.
@@ -59,7 +66,7 @@ entity gc_force_path is
     sts_speed_zero     : out   std_ulogic_vector(inputs_c - 1 downto 0);
     -- Count refers to the index.
     sts_referenced     : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    -- Counts are missing; a pulse was dropped: since the last cfg_clear.
+    -- Counts were lost or cannot be trusted; a pulse was dropped: since the last cfg_clear.
     sts_illegal        : out   std_ulogic_vector(inputs_c - 1 downto 0);
     sts_glitch         : out   std_ulogic_vector(inputs_c - 1 downto 0);
     -- An image begins, in the bank that is not in use; a swap that waits is dropped.
@@ -124,8 +131,10 @@ begin
 
     i_decoder : entity work.gc_quad_decoder
       generic map (
-        filter_samples_g => filter_samples_g,
-        speed_timeout_g  => speed_timeout_g
+        filter_samples_g  => filter_samples_g,
+        speed_timeout_g   => speed_timeout_g,
+        reversal_clocks_g => reversal_clocks_g,
+        dither_clocks_g   => dither_clocks_g
       )
       port map (
         clk                => clk,
@@ -133,8 +142,10 @@ begin
         a                  => pin_a(i),
         b                  => pin_b(i),
         z                  => pin_z(i),
+        error              => pin_error(i),
         cfg_home_enable    => cfg_home_enable(i),
         cfg_index_position => cfg_index_position((i + 1) * count_bits_c - 1 downto i * count_bits_c),
+        cfg_index_period   => cfg_index_period((i + 1) * count_bits_c - 1 downto i * count_bits_c),
         cfg_clear          => cfg_clear,
         count_valid        => count_valid(i),
         count              => count((i + 1) * count_bits_c - 1 downto i * count_bits_c),

@@ -19,15 +19,18 @@ library work;
 entity gc_system is
   generic (
     -- Neurons per clock; must divide the hidden size.
-    lanes_g          : positive := 4;
+    lanes_g           : positive := 4;
     -- Hz of clk: for the host to read, nothing here depends on it.
-    clock_hz_g       : positive := 40_000_000;
+    clock_hz_g        : positive := 40_000_000;
     -- Clocks that an encoder level must last, 0 = no filter.
-    filter_samples_g : natural := 4;
+    filter_samples_g  : natural := 4;
     -- Clocks without an edge that count as standstill.
-    speed_timeout_g  : positive := 10_000_000;
+    speed_timeout_g   : positive := 10_000_000;
+    -- What the axes cannot do, and what they may do for ever, clocks: see gc_edge_watch.
+    reversal_clocks_g : positive := 250;
+    dither_clocks_g   : positive := 40;
     -- Whether weights, scaling and compensation can be replaced at run time: two banks of memory for all of them.
-    loadable_g       : boolean := true
+    loadable_g        : boolean := true
   );
   port (
     s_axi_aclk    : in    std_ulogic;
@@ -55,10 +58,12 @@ entity gc_system is
     irq           : out   std_ulogic;
     -- Clock of everything below.
     clk           : in    std_ulogic;
-    -- Encoder pins and emergency stop, asynchronous; axis 1 lowest. estop_n = '0' stops.
+    -- Encoder pins and emergency stop, asynchronous; axis 1 lowest. pin_error, of a fail-safe receiver: '1' means that
+    -- the axis' other pins cannot be trusted. estop_n = '0' stops. Pull pin_z and estop_n down.
     pin_a         : in    std_ulogic_vector(inputs_c - 1 downto 0);
     pin_b         : in    std_ulogic_vector(inputs_c - 1 downto 0);
     pin_z         : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_error     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
     estop_n       : in    std_ulogic;
     -- Current commands, uA, axis 1 lowest: hold, one clock of drive_valid per new command.
     drive_valid   : out   std_ulogic;
@@ -118,9 +123,10 @@ begin
 
   i_bus_side : entity work.gc_bus_side
     generic map (
-      lanes_g    => lanes_g,
-      clock_hz_g => clock_hz_g,
-      loadable_g => loadable_g
+      lanes_g          => lanes_g,
+      clock_hz_g       => clock_hz_g,
+      filter_samples_g => filter_samples_g,
+      loadable_g       => loadable_g
     )
     port map (
       clk           => s_axi_aclk,
@@ -192,10 +198,12 @@ begin
 
   i_core_side : entity work.gc_core_side
     generic map (
-      lanes_g          => lanes_g,
-      filter_samples_g => filter_samples_g,
-      speed_timeout_g  => speed_timeout_g,
-      loadable_g       => loadable_g
+      lanes_g           => lanes_g,
+      filter_samples_g  => filter_samples_g,
+      speed_timeout_g   => speed_timeout_g,
+      reversal_clocks_g => reversal_clocks_g,
+      dither_clocks_g   => dither_clocks_g,
+      loadable_g        => loadable_g
     )
     port map (
       clk           => clk,
@@ -203,6 +211,7 @@ begin
       pin_a         => pin_a,
       pin_b         => pin_b,
       pin_z         => pin_z,
+      pin_error     => pin_error,
       estop_n       => estop_n,
       in_valid      => settings_valid,
       in_settings   => core_settings,

@@ -61,6 +61,7 @@ package gc_system_pkg is
     result_clocks     : word_t;
     brake_clocks      : word_t;
     index_position    : axis_words_t;
+    index_period      : axis_words_t;
     window_low        : axis_words_t;
     window_high       : axis_words_t;
     commands          : commands_t;
@@ -108,7 +109,7 @@ package gc_system_pkg is
   subtype load_word_t is std_ulogic_vector(32 + 4 - 1 downto 0);
 
   subtype settings_word_t is std_ulogic_vector(
-    2 + axes_c + 6 * 32 + 3 * 31 + 3 * 32 * axes_c + 3 + causes_c - 1 downto 0
+    2 + axes_c + 6 * 32 + 3 * 31 + 4 * 32 * axes_c + 3 + causes_c - 1 downto 0
   );
 
   subtype state_word_t is std_ulogic_vector(
@@ -292,6 +293,7 @@ package body gc_system_pkg is
     put(word_v, settings.result_clocks);
     put(word_v, settings.brake_clocks);
     put(word_v, settings.index_position);
+    put(word_v, settings.index_period);
     put(word_v, settings.window_low);
     put(word_v, settings.window_high);
     put(word_v, settings.commands.start);
@@ -391,6 +393,7 @@ package body gc_system_pkg is
     take(left_v, fields_v.result_clocks);
     take(left_v, fields_v.brake_clocks);
     take(left_v, fields_v.index_position);
+    take(left_v, fields_v.index_period);
     take(left_v, fields_v.window_low);
     take(left_v, fields_v.window_high);
     take(left_v, fields_v.commands.start);

@@ -6,8 +6,8 @@
 --
 -- A test sets target and waits for busy to fall; no Python runs per edge.
 -- load moves the position by whole encoder cycles, next to load_count, without an edge on a or b: the two lowest bits
--- of count stay. To take a decoder anywhere: arm its homing with cfg_index_position = index_count = c, c modulo 4 the
--- decoder's index phase, load c, then walk to c (at most three edges).
+-- of count stay. To take a decoder anywhere: begin its homing with cfg_index_position = index_count = c, c modulo 4 the
+-- decoder's index phase, load c - 8, then walk to c (at most ten edges).
 -- Timing: the first edge comes one clock after target changes, the following ones clocks_per_edge apart, also across
 -- reversals and a change of target. Wraps modulo 2**32 and takes the shorter way.
 

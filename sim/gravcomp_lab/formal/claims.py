@@ -55,9 +55,7 @@ CLAIMS = (
     *(Claim("glitch_filter", "gc_glitch_filter", {"samples_g": n}, {"SAMPLES": n}) for n in (1, 2, 4, 5)),
     Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 0, "speed_timeout_g": 20}, {"SAMPLES": 0}),
     Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 4}, {"SAMPLES": 4}),
-    Claim(
-        "edge_watch", "gc_edge_watch", SMALL_WATCH, {k.removesuffix("_g").upper(): v for k, v in SMALL_WATCH.items()}
-    ),
+    Claim("edge_watch", "gc_edge_watch", SMALL, {name.removesuffix("_g").upper(): n for name, n in SMALL.items()}),
     Claim("index_check", "gc_index_check", {"mark_clocks_g": 20}, {"MARK_CLOCKS": 20}),
     *(Claim("valid_pipeline", "gc_core", {"lanes_g": n}, {"INTERVAL": HIDDEN // n}, 0) for n in LANES),
     # One lane holds all neurons; the hidden sums are the same with more.
