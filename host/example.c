@@ -74,7 +74,11 @@ int run_example(const gravcomp_bus *bus, const uint8_t *image, uint32_t n_words,
     printf("%u neurons, %u per clock, %lu Hz, weights %08lx\n", (unsigned)identity.hidden, (unsigned)identity.lanes,
            (unsigned long)identity.clock_hz, (unsigned long)identity.weights_hash[0]);
     settings.expected_weights = identity.weights_hash[0]; /* better: the constant that you have tested */
-    gravcomp_configure(bus, &identity, &settings);
+    if (gravcomp_configure(bus, &identity, &settings) != GRAVCOMP_OK) {
+        printf("%lu counts per second are more than the core can measure\n",
+               (unsigned long)settings.speed_max_counts_per_s);
+        return 1;
+    }
     if (n_words > 0) {
         uint32_t crc = gravcomp_crc32(image, n_words); /* better: the one that you have tested */
 

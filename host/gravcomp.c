@@ -63,9 +63,15 @@ static uint32_t clocks(const gravcomp_identity *identity, uint32_t us)
     return n > UINT32_MAX ? UINT32_MAX : (uint32_t)n;
 }
 
+/* Clocks per four counts at the speed beyond which the encoder interface loses counts. */
+static uint32_t shortest_period(const gravcomp_identity *identity)
+{
+    return 2 * (identity->filter_samples > 2 ? identity->filter_samples : 2);
+}
+
 static uint32_t period_min(const gravcomp_identity *identity, uint32_t counts_per_s)
 {
-    uint64_t n = counts_per_s ? 4u * (uint64_t)identity->clock_hz / counts_per_s : INT32_MAX;
+    uint64_t n = counts_per_s ? 4u * (uint64_t)identity->clock_hz / counts_per_s : 0;
 
     return n > INT32_MAX ? INT32_MAX : (uint32_t)n;
 }
@@ -87,6 +93,7 @@ gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identi
     identity->hidden = (uint8_t)FIELD(geometry, GEOMETRY__HIDDEN);
     identity->lanes = (uint8_t)FIELD(geometry, GEOMETRY__LANES);
     identity->clock_hz = read_word(bus, OFFSET(clock_hz));
+    identity->filter_samples = FIELD(read_word(bus, OFFSET(encoder_geometry)), ENCODER_GEOMETRY__FILTER_SAMPLES);
     read_words(bus, OFFSET(weights_hash), identity->weights_hash, 8);
     read_words(bus, OFFSET(compensation_hash), identity->compensation_hash, 8);
     read_axes(bus, OFFSET(trained_low), identity->trained_low);
@@ -94,13 +101,24 @@ gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identi
     return GRAVCOMP_OK;
 }
 
-void gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity, const gravcomp_settings *settings)
+gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity,
+                                   const gravcomp_settings *settings)
 {
+    uint32_t period = period_min(identity, settings->speed_max_counts_per_s);
+
+    if (settings->speed_max_counts_per_s && period <= shortest_period(identity)) {
+        return GRAVCOMP_TOO_FAST;
+    }
+    for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
+        if (settings->index_period[i] % 4) {
+            return GRAVCOMP_BAD_PERIOD;
+        }
+    }
     write_word(bus, OFFSET(expected_weights), settings->expected_weights);
     write_word(bus, OFFSET(tick_clocks), clocks(identity, settings->tick_us));
     write_word(bus, OFFSET(current_limit_ua), settings->current_limit_ua);
     write_word(bus, OFFSET(current_slew_ua), settings->current_slew_ua);
-    write_word(bus, OFFSET(period_min_clocks), period_min(identity, settings->speed_max_counts_per_s));
+    write_word(bus, OFFSET(period_min_clocks), period);
     write_word(bus, OFFSET(saturation_clocks), clocks(identity, settings->saturation_us));
     write_word(bus, OFFSET(watchdog_clocks), clocks(identity, settings->watchdog_us));
     write_word(bus, OFFSET(result_clocks), clocks(identity, settings->result_us));
@@ -110,9 +128,11 @@ void gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identi
         uint32_t high = (uint32_t)identity->trained_high[i] + settings->margin_counts;
 
         write_word(bus, OFFSET(index_position) + 4 * i, (uint32_t)settings->index_position[i]);
+        write_word(bus, OFFSET(index_period) + 4 * i, settings->index_period[i]);
         write_word(bus, OFFSET(window_low) + 4 * i, low);
         write_word(bus, OFFSET(window_high) + 4 * i, high);
     }
+    return GRAVCOMP_OK;
 }
 
 gravcomp_result gravcomp_home(const gravcomp_bus *bus, uint8_t axes)

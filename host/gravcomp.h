@@ -26,7 +26,9 @@ typedef enum {
     GRAVCOMP_TIMEOUT,       /* not within the polls allowed */
     GRAVCOMP_FAULT,         /* stopped by a fault, see gravcomp_state.fault */
     GRAVCOMP_REFUSED,       /* the core refuses the image: its length or its CRC is wrong */
-    GRAVCOMP_NOT_LOADABLE   /* the core was built without banks */
+    GRAVCOMP_NOT_LOADABLE,  /* the core was built without banks */
+    GRAVCOMP_TOO_FAST,      /* speed_max_counts_per_s is more than the core can measure with its encoder filter */
+    GRAVCOMP_BAD_PERIOD     /* index_period is not a multiple of 4 */
 } gravcomp_result;
 
 /* What does not change. */
@@ -34,6 +36,7 @@ typedef struct {
     uint8_t hidden;                               /* neurons */
     uint8_t lanes;                                /* neurons per clock */
     uint32_t clock_hz;                            /* of the core */
+    uint32_t filter_samples;                      /* clocks that a level of an encoder must last */
     uint32_t weights_hash[8];                     /* SHA-256 of the weights, first bytes in word 0 */
     uint32_t compensation_hash[8];                /* SHA-256 of the compensator's constants */
     int32_t trained_low[GRAVCOMP_AXES];           /* counts */
@@ -43,8 +46,9 @@ typedef struct {
 typedef struct {
     uint32_t expected_weights;                    /* first word of the hash of the weights that the host means */
     int32_t index_position[GRAVCOMP_AXES];        /* counts at the index */
+    uint32_t index_period[GRAVCOMP_AXES];         /* counts from index to index, a multiple of 4; 0: there is one */
     uint32_t margin_counts;                       /* allowed beyond the trained range */
-    uint32_t speed_max_counts_per_s;
+    uint32_t speed_max_counts_per_s;              /* 0: any motion that can be measured is too fast */
     uint32_t current_limit_ua;
     uint32_t current_slew_ua;                     /* per result */
     uint32_t tick_us;
@@ -98,10 +102,11 @@ typedef struct {
 /* Check that the core is there and read who it is. */
 gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identity);
 
-/* Write limits and times; those of speed and time become clocks, rounded down. */
-void gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity, const gravcomp_settings *settings);
+/* Write limits and times; those of speed and time become clocks, rounded down. Without effect where it refuses them. */
+gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity, const gravcomp_settings *settings);
 
-/* Arm homing of these axes, disarm it of the others: each is referenced once it passes its index. */
+/* Begin homing of these axes, end it of the others: each is referenced once it passes its index from at least one encoder
+   cycle away. */
 gravcomp_result gravcomp_home(const gravcomp_bus *bus, uint8_t axes);
 
 /* Start one inference; the tick starts them periodically. */

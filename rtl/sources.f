@@ -1,6 +1,7 @@
 crossing/gc_synchronizer.vhd
 crossing/gc_crossing_pulse.vhd
 crossing/gc_crossing_bus.vhd
+encoder/gc_encoder_pkg.vhd
 encoder/gc_glitch_filter.vhd
 encoder/gc_count_check.vhd
 encoder/gc_edge_watch.vhd

@@ -34,7 +34,9 @@ _U8, _U32, _I32 = ctypes.c_uint8, ctypes.c_uint32, ctypes.c_int32
 _AXES = {field.name: AXES for field in fields(State) if field.type == tuple[int, ...]}
 _WORDS = ("result_number", "missed_ticks", "cause", "fault", "first_cause")
 CState = _struct("CState", State, _AXES, dict.fromkeys(_AXES, _I32) | dict.fromkeys(_WORDS, _U32), _U8)
-CSettings = _struct("CSettings", Settings, {"index_position": AXES}, {"index_position": _I32}, _U32)
+CSettings = _struct(
+    "CSettings", Settings, {"index_position": AXES, "index_period": AXES}, {"index_position": _I32}, _U32
+)
 CIdentity = _struct(
     "CIdentity",
     Identity,
@@ -73,12 +75,11 @@ class CHost:
         result = self._call("open", ctypes.byref(self._identity))
         return result, _plain(self._identity, Identity) if result == Result.OK else None
 
-    def configure(self, identity: Identity, settings: Settings) -> None:
+    def configure(self, identity: Identity, settings: Settings) -> Result:
         values = {field.name: getattr(settings, field.name) for field in fields(Settings)}
         values["index_position"] = (_I32 * AXES)(*settings.index_position)
-        self._c.gravcomp_configure(
-            ctypes.byref(self._bus), ctypes.byref(self._identity), ctypes.byref(CSettings(**values))
-        )
+        values["index_period"] = (_U32 * AXES)(*settings.index_period)
+        return self._call("configure", ctypes.byref(self._identity), ctypes.byref(CSettings(**values)))
 
     def home(self, axes: int) -> Result:
         return self._call("home", ctypes.c_uint8(axes))

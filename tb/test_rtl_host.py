@@ -34,6 +34,7 @@ STILL = 2**31 - 1  # speed_period then
 SETTINGS = Settings(
     expected_weights=int(weights_hash(weights_under_test())[:8], 16),
     index_position=tuple(INDEX.tolist()),
+    index_period=(0, 4000, 400),
     margin_counts=100,
     speed_max_counts_per_s=15_000_000,
     current_limit_ua=1_000_000,

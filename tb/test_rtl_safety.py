@@ -20,6 +20,7 @@ WIDTHS = {name: COUNT_BITS for name in ("in_count", "cfg_count_low", "cfg_count_
     **{name: 1 for name in ("in_referenced", "in_illegal", "in_clamped", "in_saturated", "in_settled")},
 }
 STILL = 2**31 - 1  # speed_period at standstill
+SHORTEST = 8  # speed_period at the limit speed of the decoder
 PERIOD_MIN, SATURATION, WATCHDOG, RESULT, BRAKE = 100, 20, 40, 30, 10
 LIMITS = {Cause.SATURATION: SATURATION, Cause.WATCHDOG: WATCHDOG, Cause.RESULT: RESULT}
 ALL = (1 << len(Cause)) - 1
@@ -161,6 +162,21 @@ async def values_at_the_limit_are_no_fault(dut):
         inputs["in_saturated"][ONSET : ONSET + SATURATION, axis] = 1
         got = await run_and_compare(dut, inputs)
         assert (got["sts_state"][RUNNING:] == State.RUN).all()
+
+
+@cocotb.test()
+@cocotb.parametrize(limit=[0, 1, 8, 9, 10])
+async def no_speed_limit_switches_the_supervision_off(dut, limit):
+    """0 allows no motion that can be measured; a limit that the decoder cannot measure is the lowest that it can."""
+    for period in (8, 9, 10, -8, -9, STILL - 1, 1 - STILL, STILL):
+        inputs = quiet_inputs(140)
+        inputs["enable"][ENABLED:] = 1
+        inputs["cfg_period_min"][:] = limit
+        inputs["in_period"][ONSET:, 1] = period
+        got = await run_and_compare(dut, inputs)
+        assert (got["sts_state"][RUNNING:ONSET] == State.RUN).all()
+        lowest = max(limit, SHORTEST + 1) if limit else STILL
+        assert got["brake_release"][-1] == (abs(period) >= lowest), (limit, period)
 
 
 @cocotb.test()

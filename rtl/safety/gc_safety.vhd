@@ -25,7 +25,9 @@ library work;
 entity gc_safety is
   generic (
     -- Flip-flops of estop_n against metastability, at least 2.
-    sync_stages_g : positive := 2
+    sync_stages_g     : positive := 2;
+    -- Clocks per 4 counts at the limit speed of the encoder interface: what is faster cannot be told from that.
+    period_shortest_g : positive := 8
   );
   port (
     clk                   : in    std_ulogic;
@@ -56,7 +58,7 @@ entity gc_safety is
     -- Lowest and highest count that is no fault, axis 1 lowest.
     cfg_count_low         : in    signed(inputs_c * count_bits_c - 1 downto 0);
     cfg_count_high        : in    signed(inputs_c * count_bits_c - 1 downto 0);
-    -- Fewest clocks per 4 counts that are no fault.
+    -- Fewest clocks per 4 counts that are no fault, at least period_shortest_g + 1; 0: none but standstill.
     cfg_period_min        : in    unsigned(30 downto 0);
     -- Longest time that is no fault: saturated or clamped, without a kick, without a result; clocks.
     cfg_saturation_clocks : in    unsigned(31 downto 0);
@@ -80,6 +82,9 @@ end entity gc_safety;
 
 architecture rtl of gc_safety is
 
+  -- speed_period of an axis that stands still, or of which no speed is known yet; see gc_speed_meter
+  constant still_c : signed(31 downto 0) := (31 => '0', others => '1');
+
   signal estop_known   : std_ulogic;
   signal estop_level   : std_ulogic_vector(0 downto 0);
   signal saturated     : std_ulogic;
@@ -87,7 +92,8 @@ architecture rtl of gc_safety is
   signal saturation_1  : std_ulogic;
   signal watchdog_1    : std_ulogic;
   signal result_1      : std_ulogic;
-  signal period_floor  : signed(31 downto 0) := (others => '0');
+  signal period_limit  : signed(31 downto 0) := still_c;
+  signal period_floor  : signed(31 downto 0) := -still_c;
   signal flags_1       : causes_t := no_causes_c;
   signal count_1       : signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
   signal present       : causes_t;
@@ -153,12 +159,20 @@ begin
     variable low_v    : signed(count_bits_c - 1 downto 0);
     variable high_v   : signed(count_bits_c - 1 downto 0);
     variable period_v : signed(31 downto 0);
+    variable limit_v  : signed(31 downto 0);
 
   begin
 
     if rising_edge(clk) then
       count_1 <= in_count;
-      period_floor <= -signed('0' & cfg_period_min);
+      limit_v := signed('0' & cfg_period_min);
+      if cfg_period_min = 0 then
+        limit_v := still_c;
+      elsif cfg_period_min <= period_shortest_g then
+        limit_v := to_signed(period_shortest_g + 1, 32);
+      end if;
+      period_limit <= limit_v;
+      period_floor <= -limit_v;
 
       flags_1 <= no_causes_c;
       flags_1(cause_crc_c) <= in_crc_bad;
@@ -180,7 +194,7 @@ begin
         if count_v < low_v or count_v > high_v then
           flags_1(cause_position_c) <= '1';
         end if;
-        if period_v > period_floor and period_v < signed('0' & cfg_period_min) then
+        if period_v > period_floor and period_v < period_limit then
           flags_1(cause_speed_c) <= '1';
         end if;
 

@@ -12,6 +12,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
+  use work.gc_encoder_pkg.all;
   use work.gc_network_pkg.all;
   use work.gc_safety_pkg.all;
   use work.gc_system_pkg.all;
@@ -239,6 +240,9 @@ begin
     );
 
   i_safety : entity work.gc_safety
+    generic map (
+      period_shortest_g => shortest_period(filter_samples_g)
+    )
     port map (
       clk                   => clk,
       rst                   => rst,

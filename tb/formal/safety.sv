@@ -51,7 +51,17 @@ module safety (
   reg [9:0] clear_1 = 0, present_1 = 0, fault_1 = 0, first_cause_1 = 0;
   reg [95:0] first_count_1;
 
+  // Speed limit: 0 allows none, and what is less than can be measured means the lowest of that.
+  reg signed [31:0] limit_1 = 32'h7fff_ffff, floor_1 = -32'h7fff_ffff;
+  reg speeding_1 = 0;
+  wire signed [31:0] limit = cfg_period_min == 0 ? 32'h7fff_ffff : cfg_period_min <= 8 ? 9 : cfg_period_min;
+  wire signed [31:0] period_1 = in_period[31:0], period_2 = in_period[63:32], period_3 = in_period[95:64];
+
   always @(posedge clk) begin
+    limit_1 <= limit;
+    floor_1 <= -limit;
+    speeding_1 <= !rst && (period_1 > floor_1 && period_1 < limit_1 || period_2 > floor_1 && period_2 < limit_1
+                           || period_3 > floor_1 && period_3 < limit_1);
     rst_1 <= rst;
     clear_1 <= clear;
     run_1 <= run;
@@ -77,6 +87,7 @@ module safety (
     lost_counts_engage_the_brakes : assert (!illegal_then[2] || !brake_release && !run);
     lost_reference_engages_the_brakes : assert (!unreferenced_then[2] || !brake_release && !run);
     causes_engage_the_brakes : assert (!present_1 || !brake_release && !run);
+    speed_is_held_against_every_limit : assert (present[4] == speeding_1);
     motion_starts_by_an_edge_while_healthy :
       assert (!run || run_1 || enable_1 && !enable_2 && !present_1 && state_1 == BRAKED);
     fault_lasts_until_all_are_cleared_and_no_cause_is_present :

@@ -10,6 +10,7 @@ from enum import IntEnum, IntFlag
 from typing import Protocol
 
 from gravcomp.driver.registers import read_registers
+from gravcomp.twin.encoder import DecoderConfig
 
 AXES = 3
 CONTROL_POLLS = 1000
@@ -28,7 +29,11 @@ class Bus(Protocol):
 
 
 class Result(IntEnum):
-    """Outcome of a call. FAULT: stopped by a fault, see State.fault. REFUSED: an image of a wrong length or CRC."""
+    """Outcome of a call. FAULT: stopped by a fault, see State.fault. REFUSED: an image of a wrong length or CRC.
+
+    TOO_FAST: Settings.speed_max_counts_per_s is more than the core can measure with its encoder filter. BAD_PERIOD:
+    Settings.index_period is not a multiple of 4.
+    """
 
     OK = 0
     NOT_FOUND = 1
@@ -37,6 +42,8 @@ class Result(IntEnum):
     FAULT = 4
     REFUSED = 5
     NOT_LOADABLE = 6
+    TOO_FAST = 7
+    BAD_PERIOD = 8
 
 
 class Brakes(IntEnum):
@@ -58,11 +65,13 @@ class Event(IntFlag):
 
 @dataclass(frozen=True)
 class Identity:
-    """What does not change: sizes, Hz of the core's clock, SHA-256 in eight words, trained range in counts."""
+    """What does not change: sizes, Hz of the core's clock, clocks that a level of an encoder must last, SHA-256 in eight
+    words, trained range in counts."""
 
     hidden: int
     lanes: int
     clock_hz: int
+    filter_samples: int
     weights_hash: tuple[int, ...]
     compensation_hash: tuple[int, ...]
     trained_low: tuple[int, ...]
@@ -73,12 +82,14 @@ class Identity:
 class Settings:
     """Limits and times; expected_weights is the first word of the hash of the weights that the host means.
 
+    index_period: counts from index to index, 0 where there is one. speed_max_counts_per_s: 0 allows no motion.
     margin_counts: allowed beyond the trained range. current_slew_ua: per result. brake_us: for a brake to close and for
     the motors to take the load. The other times are the longest in saturation, from kick to kick and result to result.
     """
 
     expected_weights: int
     index_position: tuple[int, ...]
+    index_period: tuple[int, ...]
     margin_counts: int
     speed_max_counts_per_s: int
     current_limit_ua: int
@@ -141,25 +152,33 @@ class Host:
             hidden=self._map["geometry"].field("hidden", geometry),
             lanes=self._map["geometry"].field("lanes", geometry),
             clock_hz=self._read("clock_hz"),
+            filter_samples=self._map["encoder_geometry"].field("filter_samples", self._read("encoder_geometry")),
             weights_hash=self._words("weights_hash"),
             compensation_hash=self._words("compensation_hash"),
             trained_low=self._axes("trained_low"),
             trained_high=self._axes("trained_high"),
         )
 
-    def configure(self, identity: Identity, settings: Settings) -> None:
+    def configure(self, identity: Identity, settings: Settings) -> Result:
         hz, speed = identity.clock_hz, settings.speed_max_counts_per_s
+        period_min = min(4 * hz // speed, PERIOD_MAX) if speed else 0
+        if speed and period_min <= DecoderConfig(filter_samples=identity.filter_samples).shortest_period:
+            return Result.TOO_FAST
+        if any(period % 4 for period in settings.index_period):
+            return Result.BAD_PERIOD
         self._write("expected_weights", settings.expected_weights)
         self._write("tick_clocks", _clocks(hz, settings.tick_us))
         self._write("current_limit_ua", settings.current_limit_ua)
         self._write("current_slew_ua", settings.current_slew_ua)
-        self._write("period_min_clocks", min(4 * hz // speed, PERIOD_MAX) if speed else PERIOD_MAX)
+        self._write("period_min_clocks", period_min)
         for name in ("saturation", "watchdog", "result", "brake"):
             self._write(f"{name}_clocks", _clocks(hz, getattr(settings, f"{name}_us")))
         for axis in range(AXES):
             self._write("index_position", settings.index_position[axis], axis)
+            self._write("index_period", settings.index_period[axis], axis)
             self._write("window_low", identity.trained_low[axis] - settings.margin_counts, axis)
             self._write("window_high", identity.trained_high[axis] + settings.margin_counts, axis)
+        return Result.OK
 
     def home(self, axes: int) -> Result:
         if self._control("home_enable", 0) != Result.OK:

@@ -8,7 +8,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from gravcomp.twin.encoder import synchronizer
+from gravcomp.twin.encoder import NO_PERIOD, DecoderConfig, synchronizer
 
 
 class State(IntEnum):
@@ -67,13 +67,15 @@ def timeout(restart: np.ndarray, limit: np.ndarray) -> np.ndarray:
     return expired
 
 
-def safety(inputs: Mapping[str, np.ndarray], sync_stages: int = 2) -> dict[str, np.ndarray]:
+def safety(
+    inputs: Mapping[str, np.ndarray], sync_stages: int = 2, period_shortest: int = DecoderConfig().shortest_period
+) -> dict[str, np.ndarray]:
     """gc_safety: its outputs by port name, from all its inputs but clk by port name.
 
     Inputs of several axes and sts_first_count are (clocks, axes), all others (clocks,).
     """
     known, estop_n = synchronizer(inputs["rst"], inputs["estop_n"], sync_stages)
-    present = _present(inputs) | (known & ~estop_n & 1) << Cause.ESTOP
+    present = _present(inputs, period_shortest) | (known & ~estop_n & 1) << Cause.ESTOP
     healthy = (present == 0) & (known == 1)
     names = ("run", "brake_release", "sts_state", "sts_fault", "sts_first_cause")
     out = {name: np.zeros_like(present) for name in names} | {"sts_present": present}
@@ -102,18 +104,18 @@ def safety(inputs: Mapping[str, np.ndarray], sync_stages: int = 2) -> dict[str, 
     return out
 
 
-def _present(inputs: Mapping[str, np.ndarray]) -> np.ndarray:
+def _present(inputs: Mapping[str, np.ndarray], period_shortest: int) -> np.ndarray:
     """All causes but the emergency stop, one clock after they are at the inputs."""
     rst = inputs["rst"] != 0
-    period_min = inputs["cfg_period_min"]
-    period_floor = -np.concatenate(([0], period_min[:-1]))
     count, period = inputs["in_count"], inputs["in_period"]
+    period_min = np.concatenate(([0], inputs["cfg_period_min"][:-1]))
+    limit = np.where(period_min == 0, NO_PERIOD, np.maximum(period_min, period_shortest + 1))
     low, high = inputs["cfg_count_low"], inputs["cfg_count_high"]
     flags = (
         (inputs["in_illegal"].any(axis=1)) << Cause.ENCODER
         | (inputs["in_crc_bad"] != 0) << Cause.CRC
         | (inputs["in_rom_bad"] != 0) << Cause.ROM
-        | ((period > period_floor[:, None]) & (period < period_min[:, None])).any(axis=1) << Cause.SPEED
+        | (np.abs(period) < limit[:, None]).any(axis=1) << Cause.SPEED
         | ((count < low) | (count > high)).any(axis=1) << Cause.POSITION
         | (~inputs["in_referenced"].all(axis=1)) << Cause.REFERENCE
     ).astype(np.int64)

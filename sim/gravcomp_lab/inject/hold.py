@@ -49,7 +49,7 @@ def bring_up(session: Session, scene: Scene) -> None:
     host = Host(session)
     result, identity = host.open()
     _need(result, "open")
-    host.configure(identity, settings(identity, index))
+    _need(host.configure(identity, settings(identity, index)), "configure")
     if scene.image:
         _need(host.load(scene.image, zlib.crc32(scene.image), 1000), "load")
     _need(host.home(7), "home")
@@ -71,6 +71,7 @@ def settings(identity, index: Sequence[int]) -> Settings:
     return Settings(
         expected_weights=identity.weights_hash[0],
         index_position=tuple(index),
+        index_period=(0,) * len(index),
         margin_counts=100,
         speed_max_counts_per_s=1_000_000,
         current_limit_ua=10_000_000,
