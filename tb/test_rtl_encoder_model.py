@@ -145,7 +145,7 @@ async def preset_takes_a_decoder_anywhere(dut):
     rows.append(await load(dut, index - 8))
     rows.append(await record(dut, 30))
     dut.target.value = index + 7
-    rows.append(await record(dut, 60))
+    rows.append(await record(dut, 90))
     count, a, b, z = np.concatenate(rows).T
     decoded = decode(a, b, z, config, home_enable=1, index_position=index)
     assert decoded["count"][-1] == count[-1] == index + 7

@@ -18,6 +18,8 @@ SLOW = (
 
 FILTERED, UNFILTERED = "quad_decoder-filter_samples_g4", "quad_decoder-filter_samples_g0-speed_timeout_g20"
 
+WATCH, INDEX = next(name for name in BY_NAME if name.startswith("edge_watch")), "index_check-mark_clocks_g20"
+
 # claim, file, VHDL, fault, assertion that must break
 PLANTED = [
     ("glitch_filter-samples_g4", "gc_glitch_filter", "if run_v = samples_g then", "if run_v = samples_g - 1 then",
@@ -34,8 +36,27 @@ PLANTED = [
      "direction_is_that_of_the_edge"),
     (UNFILTERED, "gc_quad_decoder", "sts_illegal <= '1';", "sts_illegal <= not cfg_clear;",
      "illegal_edge_is_flagged"),
-    (UNFILTERED, "gc_quad_decoder", "sts_illegal <= '1';\n          sts_referenced <= '0';",
-     "sts_illegal <= '1';", "illegal_edge_ends_the_reference"),
+    (UNFILTERED, "gc_quad_decoder", "sts_illegal <= '1';\n        sts_referenced <= '0';",
+     "sts_illegal <= '1';", "flagged_counts_end_the_reference"),
+    (UNFILTERED, "gc_quad_decoder", "or broken or", "or", "what_is_told_is_flagged"),
+    (UNFILTERED, "gc_quad_decoder", "synced_valid and synced(3)", "synced_valid and synced(2)", "error_is_flagged"),
+    (UNFILTERED, "gc_quad_decoder", "if lost = '1' or", "if lost = '1' or cfg_clear = '1' or",
+     "nothing_else_is_flagged"),
+    (UNFILTERED, "gc_quad_decoder", "elsif armed = '1' then", "else", "homing_has_seen_a_low_index"),
+    (FILTERED, "gc_count_check", "if lead_v = four_c then", "if lead_v = four_c and both_v = '1' then",
+     "lost_counts_are_told"),
+    (FILTERED, "gc_count_check", "if lead_v = four_c then", "if lead_v = four_c or lead_v = 3 then",
+     "no_other_count_is_told_as_lost"),
+    (WATCH, "gc_edge_watch", "reserve_v := reserve_v - 1;", "null;", "slow_dither_is_never_a_fault"),
+    (WATCH, "gc_edge_watch", "broken_v := '0';", "broken_v := quick;", "broken_only_at_an_edge_of_the_same_channel"),
+    (WATCH, "gc_edge_watch", "suspect_v := '1';", "suspect_v := suspect;", "turn_on_the_spot_is_found"),
+    (WATCH, "gc_edge_watch", "reserve_v := reserve_v + dither_clocks_g;", "reserve_v := dither_clocks_g;",
+     "fast_edges_are_found"),
+    (INDEX, "gc_index_check", "near_2 = '0' or (pins_2(1) = '1' and at_2 = '0')", "near_2 = '0'",
+     "mark_elsewhere_is_told"),
+    (INDEX, "gc_index_check", "near_2 = '0' or (", "(", "mark_far_away_is_told"),
+    (INDEX, "gc_index_check", "stay /= mark_clocks_g", "stay = mark_clocks_g", "missing_mark_is_told"),
+    (INDEX, "gc_index_check", "residue <= cycle_c or", "residue < cycle_c or", "nothing_else_is_told"),
     (FILTERED, "gc_quad_decoder", "if dropped(0) = '1' or dropped(1) = '1'",
      "if dropped(0) = '1'", "dropped_pulse_is_flagged"),
     (UNFILTERED, "gc_quad_decoder", "count <= cfg_index_position;",

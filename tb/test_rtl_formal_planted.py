@@ -40,6 +40,7 @@ PLANTED = [
     ]),
     ("safety", "gc_safety", [
         ("estop_known and not estop_level(0)", "estop_known and estop_level(0)", "emergency_stop_engages_the_brakes"),
+        ("limit_v := still_c;", "null;", "speed_is_held_against_every_limit"),
         ("if in_illegal(i) = '1'", "if in_illegal(0) = '1'", "lost_counts_engage_the_brakes"),
         ("if in_referenced(i) = '0'", "if in_referenced(0) = '0'", "lost_reference_engages_the_brakes"),
         ("state_braked_c else present", "state_holding_c else present", "causes_engage_the_brakes"),

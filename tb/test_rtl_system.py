@@ -152,6 +152,7 @@ def hardware_values() -> dict[str, list[int]]:
     return {
         "geometry": [3 | fixed.n_hidden << 8 | 3 << 16 | 1 << 24],
         "clock_hz": [40_000_000],
+        "encoder_geometry": [4],
         "weights_hash": [int(digest[8 * i : 8 * i + 8], 16) for i in range(8)],
         "compensation_hash": None,
         "trained_low": [int(low) & 0xFFFFFFFF for low in fixed.count_low],

@@ -65,8 +65,10 @@ class Event(IntFlag):
 
 @dataclass(frozen=True)
 class Identity:
-    """What does not change: sizes, Hz of the core's clock, clocks that a level of an encoder must last, SHA-256 in eight
-    words, trained range in counts."""
+    """What does not change: sizes, Hz of the core's clock, SHA-256 in eight words, trained range in counts.
+
+    filter_samples: clocks that a level of an encoder must last.
+    """
 
     hidden: int
     lanes: int
