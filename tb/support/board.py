@@ -66,24 +66,25 @@ class Board(System):
         return bool(self.dut.brake_release.value)
 
     async def home(self) -> None:
-        """Begin homing and take all axes over their index by hand, two cycles beyond it and back to it."""
+        """Begin homing and take all axes over their index by hand, from two cycles before it to two behind and back."""
         await self.registers.write_axes("index_position", [INDEX] * AXES)
         await self.registers.write_axes("index_period", [self.period] * AXES)
         await self.registers.write("control", 0)
         await self.registers.write("control", 7 << 4)
         await self.clocks(40)
-        for step in [1] * 16 + [-1] * 8:
-            self.position = [position + step for position in self.position]
-            self.drive()
-            await self.clocks(MOTION_CLOCKS)
+        for target in (INDEX - 8, INDEX + 8, INDEX):
+            while set(self.position) != {target}:
+                self.position = [p + (p < target) - (p > target) for p in self.position]
+                self.drive()
+                await self.clocks(MOTION_CLOCKS)
         await self.clocks(40)
 
-    async def run(self) -> None:
-        """Home, tick and release the brakes; all is well then."""
+    async def run(self, pause: int = 250) -> None:
+        """Home, pause so many clocks, tick and release the brakes; all is well then."""
         await self.home()
         await self.registers.write("control", 7 << 4 | 2)
         await self.registers.write("command", KICK)
-        await self.clocks(250)
+        await self.clocks(pause)
         await self.registers.write("fault", ALL_FAULTS)
         await self.wait_for_state("braked")
         await self.registers.write("control", 7 << 4 | 3)

@@ -246,62 +246,102 @@ def quad_decoder(inputs: Mapping[str, np.ndarray], config: DecoderConfig) -> dic
     return out | speed_meter(rst, steps["valid"], out["direction"], steps["lost"], config.speed_timeout)
 
 
+@dataclass(frozen=True)
+class _Steps:
+    """What the filtered levels of a and b say in each clock, and the registers that hold it.
+
+    count_valid; change: phase against that of the clock before. valid, illegal, up: registers of one clock later.
+    """
+
+    count_valid: np.ndarray
+    change: np.ndarray
+    valid: np.ndarray
+    illegal: np.ndarray
+    up: np.ndarray
+
+
+def _steps(rst: np.ndarray, is_known: np.ndarray, phase: np.ndarray) -> _Steps:
+    n_clocks = len(rst)
+    count_valid, up = np.zeros(n_clocks, np.int64), np.zeros(n_clocks, np.int64)
+    valid, illegal = np.zeros(n_clocks, np.int64), np.zeros(n_clocks, np.int64)
+    change = np.diff(phase, prepend=0) % 4
+    for k in range(n_clocks - 1):
+        if not count_valid[k]:
+            change[k] = 0
+        if not rst[k]:
+            count_valid[k + 1] = count_valid[k] or is_known[k]
+            valid[k + 1], illegal[k + 1] = change[k] & 1, change[k] == 2
+            up[k + 1] = change[k] == 1 if change[k] & 1 else up[k]
+    return _Steps(count_valid, change, valid, illegal, up)
+
+
+class _Reference:
+    """Homing of gc_quad_decoder, a clock at a time: sts_referenced, and homed, the clock in which count is set."""
+
+    def __init__(self) -> None:
+        self.referenced = self.homed = 0
+        self._enable_1 = self._homing = self._armed = 0
+
+    def clock(self, rst: int, enable: int, is_lost: bool, z: int | None) -> bool:
+        """One clock edge; z in the index phase, None elsewhere. Returns whether count becomes the index position."""
+        self.homed = 0
+        if is_lost:
+            self.referenced = 0
+        if not enable:
+            self._homing = self._armed = 0
+        elif not self._enable_1:
+            self._homing, self._armed, self.referenced = 1, 0, 0
+        elif self._homing and z == 0:
+            self._armed = 1
+        elif self._homing and self._armed and z:
+            self._homing, self.homed, self.referenced = 0, 1, 1
+        self._enable_1 = enable
+        if rst:
+            self.referenced = self.homed = self._enable_1 = self._homing = 0
+        return bool(self.homed)
+
+
 def _decode(inputs, filtered, config) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Process p_decode and the checks of its count: its outputs, and the steps for the speed meter."""
     a, b, z = (filtered[pin] for pin in "abz")
     rst, n_clocks = inputs["rst"], len(inputs["rst"])
     phase = phase_of(a["out_level"], b["out_level"])
-    is_known = a["out_valid"] & b["out_valid"]
-    count_valid = np.zeros(n_clocks, np.int64)
-    for k in range(n_clocks - 1):
-        count_valid[k + 1] = not rst[k] and (count_valid[k] or is_known[k])
-    change = np.where(count_valid, np.diff(phase, prepend=0) % 4, 0)
+    steps = _steps(rst, a["out_valid"] & b["out_valid"], phase)
+    lost = _lost(inputs, steps, phase_of(a["out_sample"], b["out_sample"]), phase, config)
     in_phase, z_level = (phase == config.index_phase).astype(np.int64), z["out_valid"] & z["out_level"]
+    takes_index = steps.count_valid & z["out_valid"] & in_phase
 
-    def registered(values):
-        return np.concatenate(([0], (values & ~(rst & 1))[:-1]))
-
-    steps = {"valid": registered(change & 1), "illegal": registered((change == 2).astype(np.int64))}
-    up = np.zeros(n_clocks, np.int64)
-    for k in range(n_clocks - 1):
-        up[k + 1] = 0 if rst[k] else change[k] == 1 if change[k] & 1 else up[k]
-    lost_cycle = count_check(rst, count_valid, phase_of(a["out_sample"], b["out_sample"]), phase)
-    watch = (rst, steps["valid"], up, steps["illegal"], config.reversal_clocks, config.dither_clocks)
-    error_valid, error = synchronizer(rst, inputs["error"], config.sync_stages)
-    lost = lost_cycle | edge_watch(*watch) | (error_valid & error)
-
-    names = ("count", "sts_referenced", "sts_illegal", "sts_glitch", "lost")
+    names = ("count", "sts_referenced", "sts_illegal", "sts_glitch", "step_lost")
     out = {name: np.zeros(n_clocks, np.int64) for name in names}
-    check = IndexCheck(config.mark_clocks)
-    count, referenced, illegal, glitch, enable_1, homing, armed, homed = (0,) * 8
-    at_1 = z_1 = 0
+    check, reference = IndexCheck(config.mark_clocks), _Reference()
+    count = illegal = glitch = at_1 = z_1 = 0
     for k in range(n_clocks - 1):
-        is_lost = bool(lost[k] or check.out_lost)
-        step = int(steps["valid"][k]) * (2 * int(up[k]) - 1)
-        check.clock(rst[k], step, homed, (referenced, at_1, z_1), int(inputs["cfg_index_period"][k]) % 2**32)
-        at_1, z_1, homed = int(in_phase[k]), int(z_level[k]), 0
+        is_lost = bool(lost[k] or check.out_lost or steps.change[k] == 2)
+        step = int(steps.valid[k]) * (2 * int(steps.up[k]) - 1)
+        period = int(inputs["cfg_index_period"][k]) % 2**32
+        check.clock(rst[k], step, reference.homed, (reference.referenced, at_1, z_1), period)
+        at_1, z_1 = int(in_phase[k]), int(z_level[k])
         if inputs["cfg_clear"][k]:
             illegal, glitch = 0, 0
         glitch |= a["out_dropped"][k] | b["out_dropped"][k]
-        if change[k] & 1:
-            count = wrap_32(count + (1 if change[k] == 1 else -1))
-        if is_lost or change[k] == 2:
-            illegal, referenced = 1, 0
-        enable = inputs["cfg_home_enable"][k]
-        if not enable:
-            homing, armed = 0, 0
-        elif not enable_1:
-            homing, armed, referenced = 1, 0, 0
-        elif homing and count_valid[k] and z["out_valid"][k] and in_phase[k]:
-            if not z["out_level"][k]:
-                armed = 1
-            elif armed:
-                homing, homed, referenced, count = 0, 1, 1, int(inputs["cfg_index_position"][k])
-        enable_1 = enable
+        illegal |= is_lost
+        if steps.change[k] & 1:
+            count = wrap_32(count + (1 if steps.change[k] == 1 else -1))
+        index = int(z["out_level"][k]) if takes_index[k] else None
+        if reference.clock(rst[k], int(inputs["cfg_home_enable"][k]), is_lost, index):
+            count = int(inputs["cfg_index_position"][k])
         if rst[k]:
-            count, referenced, illegal, glitch, enable_1, homing, homed, is_lost = (0,) * 8
-        values = (count, referenced, illegal, glitch, is_lost or (change[k] == 2 and not rst[k]))
+            count = illegal = glitch = is_lost = 0
+        values = (count, reference.referenced, illegal, glitch, is_lost)
         for name, value in zip(names, values, strict=True):
             out[name][k + 1] = value
-    steps["lost"] = out.pop("lost")
-    return out | {"count_valid": count_valid, "direction": up}, steps
+    of_speed = {"valid": steps.valid, "lost": out.pop("step_lost")}
+    return out | {"count_valid": steps.count_valid, "direction": steps.up}, of_speed
+
+
+def _lost(inputs, steps: _Steps, sample: np.ndarray, phase: np.ndarray, config: DecoderConfig) -> np.ndarray:
+    """What tells of lost counts, but for the index, which depends on the reference."""
+    rst = inputs["rst"]
+    broken = edge_watch(rst, steps.valid, steps.up, steps.illegal, config.reversal_clocks, config.dither_clocks)
+    valid, error = synchronizer(rst, inputs["error"], config.sync_stages)
+    return count_check(rst, steps.count_valid, sample, phase) | broken | valid & error
