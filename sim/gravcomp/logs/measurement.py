@@ -1,10 +1,14 @@
 """Measured data in memory, and what is derived from it: direction, acceleration, which rows are motion."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from scipy.signal import savgol_filter
+
+from gravcomp.logs.clock import derivative
+from gravcomp.logs.places import Places, places
 
 # A speed this far below the usual one has no sure direction.
 _DEAD_BAND_CAP = 0.02
@@ -21,7 +25,10 @@ class Measurement:
     t_s (n,); q (n, k), m or rad; v (n, k) signed velocity (of a hold: of its approach) or None; force (n, k) and
     nominal (n, k) measured and modelled effort in ``unit``; temp_c (n,) or None; position_units one per axis;
     force_at: f_model as a function of q (n, k) -> (n, k), or None when only its values at the samples are known;
-    robot: parameters of the built-in robot, or None.
+    robot: parameters of the built-in robot, or None; run (n,): which run a row belongs to, where runs were joined;
+    unsure (n, k): samples at which the direction is not sure for another reason than v; units: of effort per axis,
+    where they differ; notes: what reading the log had to put right, a line each; n_dropped: rows that hold a mark for
+    a missing value and are not here.
     """
 
     name: str
@@ -33,8 +40,13 @@ class Measurement:
     unit: str
     position_units: tuple[str, ...]
     temp_c: np.ndarray | None = None
-    force_at: object = field(default=None, repr=False)
+    force_at: Callable[[np.ndarray], np.ndarray] | None = field(default=None, repr=False)
     robot: object = field(default=None, repr=False)
+    run: np.ndarray | None = field(default=None, repr=False)
+    unsure: np.ndarray | None = field(default=None, repr=False)
+    units: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    n_dropped: int = 0
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -43,6 +55,20 @@ class Measurement:
     @property
     def n_axes(self) -> int:
         return self.q.shape[1]
+
+    @property
+    def effort_units(self) -> tuple[str, ...]:
+        return self.units or (self.unit,) * self.n_axes
+
+    @property
+    def runs(self) -> np.ndarray:
+        """Number of the run of each row, (n,)."""
+        return np.zeros(len(self.t_s), int) if self.run is None else self.run
+
+    @cached_property
+    def is_first(self) -> np.ndarray:
+        """Rows that begin a run, (n,)."""
+        return np.diff(self.runs, prepend=-1) != 0
 
     @property
     def has_velocity(self) -> bool:
@@ -62,7 +88,8 @@ class Measurement:
         if self.v is None:
             return np.zeros(self.shape, bool)
         undecided = self.direction == 0.0
-        return undecided & (undecided.mean(axis=0) < _STANDS_STILL)
+        undecided &= undecided.mean(axis=0) < _STANDS_STILL
+        return undecided if self.unsure is None else undecided | self.unsure
 
     @cached_property
     def dead_band(self) -> np.ndarray:
@@ -85,10 +112,11 @@ class Measurement:
         """Rows that belong to one continuous motion: q advances as v says, (n,)."""
         if self.v is None or len(self.t_s) < 8:
             return np.zeros(len(self.t_s), bool)
-        step = np.diff(self.q, axis=0)
-        told = 0.5 * (self.v[1:] + self.v[:-1]) * np.diff(self.t_s)[:, None]
+        scale = self._scale  # axes in metres and in radians count alike
+        step = np.diff(self.q, axis=0) / scale
+        told = 0.5 * (self.v[1:] + self.v[:-1]) * np.diff(self.t_s)[:, None] / scale
         size = np.abs(told).sum(axis=1)
-        keeps = np.abs(step - told).sum(axis=1) <= _MOTION_TOLERANCE * size + 1e-3 * np.ptp(self.q, axis=0).max()
+        keeps = np.abs(step - told).sum(axis=1) <= _MOTION_TOLERANCE * size + 1e-3 * (np.ptp(self.q, axis=0) > 0).any()
         near = np.convolve(keeps, np.ones(9) / 9, mode="same") > 0.7
         return np.append(near, near[-1]) if near.mean() > 0.05 else np.zeros(len(self.t_s), bool)
 
@@ -97,20 +125,56 @@ class Measurement:
         """Neighbours in time are neighbours in pose."""
         if len(self.t_s) < 8:
             return False
-        step = np.diff(self.q, axis=0).var(axis=0).sum() / max(2.0 * self.q.var(axis=0).sum(), 1e-300)
+        inside = ~self.is_first[1:]
+        q = self.q / self._scale
+        step = np.diff(q, axis=0)[inside].var(axis=0).sum() / max(2.0 * q.var(axis=0).sum(), 1e-300)
         return bool(step < 0.1)
+
+    @cached_property
+    def places(self) -> tuple[Places | None, ...]:
+        """Places at which each axis was held; None where its positions gather nowhere."""
+        reach = np.ptp(self.q, axis=0)
+        others = [max((reach[j] for j in range(self.n_axes) if self._alike(i, j)), default=0.0)
+                  for i in range(self.n_axes)]  # fmt: skip
+        return tuple(places(self.q[:, i], others[i]) for i in range(self.n_axes))
+
+    def _alike(self, i: int, j: int) -> bool:
+        return not self.position_units or self.position_units[i] == self.position_units[j]
+
+    @cached_property
+    def poses(self) -> np.ndarray:
+        """Positions (n, k), each at its place where it has one: rows of one pose are equal."""
+        return np.column_stack([q if own is None else own.centre for q, own in zip(self.q.T, self.places, strict=True)])
+
+    @property
+    def is_held(self) -> tuple[bool, ...]:
+        """Axes that were held at places, several rows at each: their v is that of an approach."""
+        return tuple(own is not None and own.count < 0.7 * len(self.t_s) for own in self.places)
+
+    @property
+    def spacing(self) -> np.ndarray:
+        """Distance of neighbouring places, (k,): a ripple that is not much longer can't be seen; 0 without places."""
+        return np.array([0.0 if own is None else own.spacing for own in self.places])
+
+    @property
+    def scaled_positions(self) -> np.ndarray:
+        """Positions (n, k) in parts of the range."""
+        return self.q / self._scale
+
+    @property
+    def _scale(self) -> np.ndarray:
+        """Range of each axis; 1 where it stands."""
+        reach = np.ptp(self.q, axis=0)
+        if len(set(self.position_units)) < 2:
+            reach = np.full(self.n_axes, reach.max())
+        return np.where(reach > 0.0, reach, 1.0)
 
     @cached_property
     def acceleration(self) -> np.ndarray | None:
         """Derivative of v along t, (n, k), zero outside motion; None without motion."""
         if self.v is None or not self.is_motion.any():
             return None
-        t, v = self.t_s, self.v
-        if (np.diff(t) <= 0).any():
-            return None
-        window = int(np.clip(len(t) // 200, 2, 10)) * 2 + 1
-        smooth = savgol_filter(v, window, 2, axis=0) if len(t) > window else v
-        return np.gradient(smooth, t, axis=0) * self.is_motion[:, None]
+        return derivative(self.v, self.t_s, self.runs, _window(len(self.t_s)), _smoothed) * self.is_motion[:, None]
 
     @cached_property
     def sensitivity(self) -> np.ndarray | None:
@@ -134,7 +198,14 @@ def _grid_step(v: np.ndarray) -> float:
     return float(step) if np.all(np.abs(values / step - np.round(values / step)) < _OFF_GRID) else 0.0
 
 
-def velocity_from_position(t_s: np.ndarray, q: np.ndarray) -> np.ndarray:
+def velocity_from_position(t_s: np.ndarray, q: np.ndarray, run: np.ndarray) -> np.ndarray:
     """Velocity of a slow motion from its positions: quadratic Savitzky-Golay smoothing, then central differences."""
-    window = int(np.clip(len(t_s) // 200, 2, 10)) * 2 + 1
-    return np.gradient(savgol_filter(q, window, 2, axis=0), t_s, axis=0)
+    return derivative(q, t_s, run, _window(len(t_s)), _smoothed)
+
+
+def _window(n: int) -> int:
+    return int(np.clip(n // 200, 2, 10)) * 2 + 1
+
+
+def _smoothed(values: np.ndarray, window: int) -> np.ndarray:
+    return savgol_filter(values, window, 2, axis=0)
