@@ -8,6 +8,15 @@ from pathlib import Path
 from gravcomp.errors import InputError
 
 
+def check_folder(folder: Path) -> None:
+    """Raise InputError unless files can be written to folder, which may not be there yet; nothing is written."""
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise InputError(f"{there}: is a file; give a folder")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(f"{there}: cannot be written; check its permissions, or give another folder")
+
+
 def write_atomically(path: Path | str, content: str | bytes) -> None:
     """Write content to a temporary file beside path, then rename it: the old file stays whole until the new one is.
 
@@ -43,7 +52,7 @@ def _write_temporary(path: Path, content: str | bytes) -> Path:
         temporary = Path(file.name)
         try:
             file.write(data)
-        except OSError:
+        except BaseException:  # an interrupt, too, leaves nothing behind
             temporary.unlink()
             raise
     temporary.chmod(0o644)

@@ -3,16 +3,18 @@
 Writes report.json, model.toml and report.html to the folder of --out. Exit status 0 whatever the verdict.
 """
 
+import argparse
 from pathlib import Path
 
 from tqdm import tqdm
 
 from gravcomp.diagnosis.diagnosis import diagnose
 from gravcomp.diagnosis.model import Model, load_model, model_toml
-from gravcomp.diagnosis.report import report, report_json, table
+from gravcomp.diagnosis.report import report, report_json, table, words
 from gravcomp.diagnosis.report_html import report_html
-from gravcomp.files import write_all_atomically
+from gravcomp.files import check_folder, write_all_atomically
 from gravcomp.logs.csv_reader import read_measurement
+from gravcomp.logs.units import parse_units
 
 _STEPS = 7
 
@@ -21,7 +23,9 @@ def add_arguments(parser):
     parser.add_argument("data", type=Path, help="measured CSV")
     parser.add_argument("--out", type=Path, required=True, help="folder for report.json, model.toml, report.html")
     parser.add_argument("--model", type=Path, help="model.toml to start from; default: the nominal robot")
-    parser.add_argument("--seed", type=int, default=0, help="draws the held-out blocks (default 0)")
+    parser.add_argument("--seed", type=seed, default=0, help="draws the held-out blocks (default 0)")
+    parser.add_argument("--units", nargs="+", default=[], metavar="NAME=SIZE",
+                        help="size of the machine's own units: permille=0.05nm counts=1e-6m")  # fmt: skip
     parser.add_argument(
         "--holdout", choices=("blocks", "reverse", "last"), default="blocks",
         help="held-out samples: a quarter of the blocks of neighbours; all that axis 1 does moving backward; "
@@ -29,11 +33,20 @@ def add_arguments(parser):
     )  # fmt: skip
 
 
+def seed(text: str) -> int:
+    """A seed as --seed takes it."""
+    number = int(text)
+    if not 0 <= number < 2**32:
+        raise argparse.ArgumentTypeError(f"{text} is no seed; give a whole number from 0 to {2**32 - 1}")
+    return number
+
+
 def run(arguments):
     """Returns the diagnosis and the model with what was found."""
+    check_folder(arguments.out)
     model = load_model(arguments.model) if arguments.model else Model()
-    data = read_measurement(arguments.data, model.robot)
-    with tqdm(total=_STEPS, desc="diagnose", delay=2, leave=False) as bar:
+    data = read_measurement(arguments.data, model.robot, parse_units(arguments.units))
+    with tqdm(total=_STEPS, desc="diagnose", delay=2, leave=False, disable=None) as bar:
 
         def tick(what: str) -> None:
             bar.set_postfix_str(what)
@@ -51,5 +64,7 @@ def run(arguments):
         print(f"  axis {item['axis']} follows {item['variable']} ({100 * item['share']:.1f} %)")
     for names in content["alternatives"]:
         print(f"  this data cannot tell apart: {', '.join(names)}")
+    for line in words(content):
+        print(f"  {line}")
     print(table(content))
     return found, grown

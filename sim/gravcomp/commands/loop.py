@@ -14,6 +14,7 @@ from gravcomp.diagnosis.model import Model, load_model
 from gravcomp.diagnosis.report import report
 from gravcomp.files import write_all_atomically
 from gravcomp.logs.csv_reader import read_measurement
+from gravcomp.logs.units import parse_units
 from gravcomp.loop.loop import check_robot, close_loop, weights_folder
 
 
@@ -23,13 +24,14 @@ def add_arguments(parser):
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="network of that model")
     parser.add_argument("--out", type=Path, default=Path("build/loop"), help="folder (default %(default)s)")
     parser.add_argument("--save", type=Path, help="weights folder to keep the result in, for make rom WEIGHTS=...")
-    parser.add_argument("--seed", type=int, default=0, help="of held-out blocks and training poses (default 0)")
+    parser.add_argument("--seed", type=diagnose_command.seed, default=0, help="of held-out blocks, training poses")
+    parser.add_argument("--units", nargs="+", default=[], metavar="NAME=SIZE", help="as in diagnose")
     parser.add_argument("--holdout", choices=("blocks", "reverse", "last"), default="blocks", help="as in diagnose")
 
 
 def run(arguments):
     model = load_model(arguments.model) if arguments.model else Model()
-    check_robot(read_measurement(arguments.data, model.robot), arguments.weights)
+    check_robot(read_measurement(arguments.data, model.robot, parse_units(arguments.units)), arguments.weights)
     found, grown = diagnose_command.run(arguments)
     closed = close_loop(found, grown, arguments.weights, arguments.out, arguments.seed)
     result = weights_folder(arguments.out, "after")

@@ -35,6 +35,13 @@ class Variable(str):
             raise ValueError(f"{name!r} is no variable; use one of q1, v1, dir1, f1, a1, t, temp")
         return cls(kind, axis)
 
+    def is_in(self, data: Measurement) -> bool:
+        """Has the log such a column?"""
+        try:
+            return getattr(data, _SOURCE[self.kind]) is not None
+        except TypeError:  # a direction, where no velocity is
+            return False
+
     def of(self, data: Measurement) -> np.ndarray:
         """Its values, (n,)."""
         values = getattr(data, _SOURCE[self.kind])
@@ -86,8 +93,10 @@ class Candidate:
     price: float  # added to the score of a set
     special_case = ""  # name of the candidate that this one contains
     differs_with = ""  # name of the one that differs by direction too where this one does
+    scales: tuple[str, ...] = ()  # stems of shape parameters, which are > 0
+    limits: Mapping[str, float] = {}
     is_simple = False  # two of these together may stand for another
-    is_periodic = False  # sought by a scan of what is left
+    is_scanned = False  # sought by a scan of what is left
 
     def columns(self, data: Measurement, shape: Mapping) -> dict[Parameter, np.ndarray]:
         """Regressors (n, k) by parameter; the force is their linear combination (to first order)."""
@@ -111,7 +120,17 @@ class Candidate:
         """Sums of coefficients that can only be >= 0."""
         return []
 
-    def follows(self, data: Measurement, force: np.ndarray) -> list[tuple[int, Variable]]:
+    def allowance(self, label: Parameter, known: Mapping[str, float]) -> float:
+        """How far below zero a coefficient of a contrast may be, where the model has ``known`` parameters already."""
+        return 0.0
+
+    def reduces(self, intervals: Mapping[str, tuple[float, float]]) -> bool:
+        """Do these 95 % intervals say that its special case is enough?"""
+        return False
+
+    def follows(
+        self, data: Measurement, parameters: Mapping[str, float], force: np.ndarray
+    ) -> list[tuple[int, Variable]]:
         """Axes and the measured variables that this force (n, k) of the candidate is a function of, the first first."""
         raise NotImplementedError
 

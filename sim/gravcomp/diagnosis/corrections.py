@@ -5,6 +5,7 @@ which variable it follows. Each acts on one axis and is linear in its values.
 """
 
 from dataclasses import dataclass
+from math import comb
 
 import numpy as np
 from sklearn.preprocessing import PolynomialFeatures
@@ -38,9 +39,24 @@ class Correction(Candidate):
         """Does it depend on positions (or model forces, which follow from them) alone?"""
         return all(variable.kind in ("q", "f") for variable in self.variables) and not self.by_direction
 
+    n_variables = 1
+
+    def n_values(self) -> int:
+        """How many coefficients this shape has; 0 where no number of them would do."""
+        raise NotImplementedError
+
     def regressors(self, data: Measurement) -> np.ndarray:
         """Columns (n, p) on its axis."""
         raise NotImplementedError
+
+    def wrong_with(self, n_values: int) -> str:
+        """What is wrong with one read from a file, of so many values; empty where nothing is."""
+        if self.n_variables and len(self.variables) != self.n_variables + (self.by_direction and self.kind == "table"):
+            return f"variables: a {self.kind} has {self.n_variables}, by direction one more"
+        wanted = self.n_values()
+        if not wanted:
+            return f"shape: {list(self.shape)} is no shape of a {self.kind}"
+        return "" if wanted == n_values else f"values: {n_values} where this shape has {wanted}"
 
     def columns(self, data, shape=None):
         own = self.regressors(data).T
@@ -49,7 +65,7 @@ class Correction(Candidate):
     def predict(self, data, parameters):
         return on_axis(data, self.axis, self.regressors(data) @ np.array(list(parameters.values())))
 
-    def follows(self, data, force):
+    def follows(self, data, parameters, force):
         """The variable that its force varies with most first."""
         own = sorted(self.variables, key=lambda variable: -_explained(variable.of(data), force[:, self.axis]))
         return [(self.axis, variable) for variable in own]
@@ -59,6 +75,9 @@ class Table(Correction):
     """Hat functions over the knots ``shape`` of one variable, times the axis' direction if ``by_direction``."""
 
     kind = "table"
+
+    def n_values(self):
+        return len(self.shape) if len(self.shape) > 1 and (np.diff(self.shape) > 0).all() else 0
 
     def regressors(self, data):
         x = self.variables[0].of(data)
@@ -71,6 +90,9 @@ class Line(Correction):
 
     kind = "line"
 
+    def n_values(self):
+        return 1 if not self.shape else 0
+
     def regressors(self, data):
         return self.variables[0].of(data)[:, None]
 
@@ -79,6 +101,11 @@ class Product(Correction):
     """Two variables, multiplied."""
 
     kind = "product"
+
+    n_variables = 2
+
+    def n_values(self):
+        return 1 if not self.shape else 0
 
     def regressors(self, data):
         return (self.variables[0].of(data) * self.variables[1].of(data))[:, None]
@@ -89,7 +116,10 @@ class Wave(Correction):
 
     kind = "wave"
     price = EMPIRICAL_PRICE + SCAN_PRICE
-    is_periodic = True
+    is_scanned = True
+
+    def n_values(self):
+        return 2 if len(self.shape) == 1 and self.shape[0] > 0 else 0
 
     def regressors(self, data):
         angle = 2.0 * np.pi * self.shape[0] * (data.t_s - data.t_s[0])
@@ -101,6 +131,9 @@ class Step(Correction):
 
     kind = "step"
 
+    def n_values(self):
+        return 2 if len(self.shape) == 1 else 0
+
     def regressors(self, data):
         return np.column_stack([data.t_s > self.shape[0], np.ones(len(data.t_s))]).astype(float)
 
@@ -109,6 +142,13 @@ class Surface(Correction):
     """Polynomial of all positions; ``shape`` holds centres, then half ranges."""
 
     kind = "surface"
+
+    n_variables = 0
+
+    def n_values(self):
+        n = len(self.shape) // 2
+        is_whole = n == len(self.variables) and 2 * n == len(self.shape) and all(half > 0 for half in self.shape[n:])
+        return comb(n + _SURFACE_DEGREE, _SURFACE_DEGREE) if is_whole else 0
 
     def regressors(self, data):
         centre, half = np.asarray(self.shape).reshape(2, -1)

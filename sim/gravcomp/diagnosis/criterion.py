@@ -4,6 +4,8 @@ score = sum over axes of m_i log(RSS_i / m_i) + rank log(sum m_i) + price of eac
 count as independent. A price stands for the number of terms that were tried. What physics refuses is impossible.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, Term
@@ -16,8 +18,9 @@ Members = frozenset  # of numbers of terms
 class Criterion:
     """Scores sets of terms. Terms are known by number; ``part`` adds those of fewer axes."""
 
-    def __init__(self, terms: list[Term], gram: Gram, n_effects: int):
-        """The first n_effects terms are effects, the others corrections."""
+    def __init__(self, terms: list[Term], gram: Gram, n_effects: int, known: Mapping[str, float]):
+        """The first n_effects terms are effects, the others corrections; known: parameters that the model has."""
+        self.known = known
         self.terms, self.gram, self.place = list(terms), gram, list(gram.place)
         self.effects, self.corrections = range(n_effects), range(n_effects, len(terms))
         self._floor = 1e-12 * np.maximum(gram.energy, TINY) / gram.independent
@@ -90,15 +93,22 @@ class Criterion:
         return single > CANCELLATION * total
 
     def _is_refused(self, members: Members, index, theta, covariance) -> bool:
-        """A coefficient that physics makes positive is clearly negative."""
+        """A coefficient that physics makes positive is clearly negative even with what the model has, or too large."""
         position = {column: a for a, column in enumerate(index)}
         for k in members:
-            labels = self.terms[k].labels
-            for contrast in self.terms[k].candidate.contrasts(labels):
-                c = np.zeros(len(index))
+            labels, candidate = self.terms[k].labels, self.terms[k].candidate
+            at = {label: position[column] for label, column in zip(labels, self.place[k], strict=True)}
+            for contrast in candidate.contrasts(labels):
+                c, allowed = np.zeros(len(index)), 0.0
                 for label, factor in contrast.items():
-                    if label in labels:
-                        c[position[self.place[k][labels.index(label)]]] = factor
-                if c @ theta < -NEGATIVE_Z * np.sqrt(max(c @ covariance @ c, TINY)):
+                    if label in at:
+                        c[at[label]] = factor
+                        allowed += factor * candidate.allowance(label, self.known)
+                if c @ theta + max(allowed, 0.0) < -NEGATIVE_Z * np.sqrt(max(c @ covariance @ c, TINY)):
                     return True
+            for label in labels:
+                if label.stem in candidate.limits:
+                    error = np.sqrt(max(covariance[at[label], at[label]], TINY))
+                    if abs(theta[at[label]]) > candidate.limits[label.stem] + NEGATIVE_Z * error:
+                        return True
         return False

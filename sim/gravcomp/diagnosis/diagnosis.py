@@ -7,25 +7,32 @@
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from gravcomp.diagnosis import corrections, leftover, split, verdict
+from gravcomp.diagnosis import corrections, leftover, outliers, sensors, split, verdict
 from gravcomp.diagnosis.candidate import Regressor, Term
 from gravcomp.diagnosis.criterion import Criterion
-from gravcomp.diagnosis.effects import EFFECTS
-from gravcomp.diagnosis.fit import Fit, fit_terms
+from gravcomp.diagnosis.effects import EFFECTS, Effect, effect_named
+from gravcomp.diagnosis.fit import Entry, Fit, fit_terms
 from gravcomp.diagnosis.gram import Gram
 from gravcomp.diagnosis.model import Model
+from gravcomp.diagnosis.noise import Noise, model_free
 from gravcomp.diagnosis.rules import Choice, alternatives, choose
-from gravcomp.diagnosis.thresholds import HUBER, MAD_TO_SIGMA, ROUNDS, SEARCH_SAMPLES, TINY
+from gravcomp.diagnosis.thresholds import HUBER, MAD_TO_SIGMA, REFINE_SAMPLES, ROUNDS, SAME_COLUMN, SEARCH_SAMPLES, TINY
+from gravcomp.diagnosis.withdrawal import confirmed
 from gravcomp.logs.measurement import Measurement
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What was found: the fit, the held-out errors and the verdict. Errors (n, k) in the unit of the data."""
+    """What was found: the fit, the held-out errors and the verdict. Errors (n, k) in the unit of the data.
+
+    ``before`` is of the log as its sensors wrote it; ``left_out`` (n, k) marks gross errors, which no error, share or
+    noise counts; ``noise`` no model made, ``noise_floor`` is that of the fit; ``notes`` tell what columns got wrong.
+    """
 
     data: Measurement
     is_test: np.ndarray
@@ -37,56 +44,115 @@ class Diagnosis:
     alternatives: list[list[str]]
     drivers: list[dict]
     shares: dict[str, float]
-    noise: np.ndarray
+    noise_floor: float
+    noise: Noise
     untestable: dict[str, str]
     left: list[dict]
-
-    @property
-    def noise_floor(self) -> float:
-        return float(np.sqrt(np.mean(self.noise**2)))
+    left_out: np.ndarray
+    notes: tuple[str, ...]
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # the matrices are small: threads only wait for one another
 def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blocks", progress=None) -> Diagnosis:
     """Diagnose one measurement; model brings the effects that are already known."""
     tick = progress or (lambda what: None)
+    model, left_aside = model.applicable_to(data)
+    checked = sensors.check(model.corrected(data))
+    lacking = model.predict(checked.data)
+    written = checked.data.force - checked.data.nominal - lacking
+    data, of_sensors = _as_right_sensors_write(checked.data)
+    before = data.force - data.nominal - lacking
     blocks = split.block_labels(data, seed)
     is_test = split.held_out(data, blocks, seed, holdout)
-    before = data.force - data.nominal - model.predict(data)
     train = np.flatnonzero(~is_test)
     rows = train[np.linspace(0, len(train) - 1, min(len(train), SEARCH_SAMPLES)).astype(int)]
     tick("effects")
-    found = _search(data, before, rows, tick)
+    found = _search(data, before, rows, model.parameters, tick)
     tick("fit")
-    fit = _fit(data, before, train, found)
+    fit = _fit(data, before, train, blocks, found, model.parameters)
     after = before - fit.predict(data)
+    left_out = np.zeros(after.shape, bool)
+    for side in (train, np.flatnonzero(is_test)):
+        left_out[side] = outliers.gross(data, after[side] - _hidden(data, after[side]), side)
+    left_out &= ~data.is_undecided
+    use = ~left_out & ~data.is_undecided
     left = leftover.find(data, after, rows, blocks, found.noise, seed)
     tick("report")
-    share = verdict.shares(data, fit, is_test, before, after)
+    noise = model_free(data, after, use.all(axis=1))
+    counted = is_test[:, None] & ~left_out
+    share = verdict.shares(data, fit, counted, written, after)
+    share |= _shares_of_sensors(of_sensors, counted, written, before)
+    whole = Fit((*of_sensors, *fit.effects), fit.corrections)
+    over_noise = verdict.remainder(after, use, is_test, noise)
+    notes, is_hidden = _words(data, after, fit)
     return Diagnosis(
         data=data,
         is_test=is_test,
         blocks=blocks,
-        before=before,
+        before=written,
         after=after,
-        fit=fit,
-        verdict=verdict.verdict(fit, share, left),
+        fit=whole,
+        verdict=verdict.verdict(whole, share, left, np.inf if is_hidden else over_noise),
         alternatives=alternatives(found.criterion, found.choice) + _identities(fit),
-        drivers=leftover.drivers(data, is_test, before, after, fit, share, left),
+        drivers=leftover.drivers(data, is_test, written, after, fit, share, left),
         shares=share,
-        noise=np.sqrt(_noise_variance(data, after, train, fit)),
+        noise_floor=_noise_floor(after[train], use[train], fit),
+        noise=noise,
         untestable=_untestable(data),
         left=left,
+        left_out=left_out,
+        notes=(*checked.notes, *left_aside, *notes),
     )
+
+
+def _as_right_sensors_write(data: Measurement) -> tuple[Measurement, list[Entry]]:
+    """The log without the effects of sensors that it shows by itself, and these."""
+    found = []
+    for effect in (kind() for kind in EFFECTS):
+        seen = effect.seen_in(data)
+        if seen:
+            parameters = {name: value for name, (value, _) in seen.items()}
+            data = effect.corrected(data, parameters)
+            intervals = {name: (value - half, value + half) for name, (value, half) in seen.items()}
+            found.append(Entry(Term(effect, tuple(parameters)), parameters, intervals, 0.0))
+    return data, found
+
+
+def _shares_of_sensors(entries: list[Entry], use: np.ndarray, written: np.ndarray, before: np.ndarray) -> dict:
+    total = max(np.sum(written[use] ** 2), TINY)
+    share = float(np.clip(1.0 - np.sum(before[use] ** 2) / total, 0.0, 1.0))
+    return {entry.name: share for entry in entries}
+
+
+def _words(data: Measurement, after: np.ndarray, fit: Fit) -> tuple[list[str], bool]:
+    """Lines on what the remainder, the changes and the gain say, and whether the remainder hides a direction."""
+    notes = []
+    level = np.zeros(data.n_axes) if data.has_velocity else sensors.two_valued(after)
+    for i in np.flatnonzero(level):
+        size = f"{level[i]:.3g} {data.effort_units[i]}"
+        notes.append(f"what is left of axis {i + 1} is two-valued, {size} up and down, as friction with unknown "
+                     "direction of approach: log the approach velocity")  # fmt: skip
+    for entry in fit.effects:
+        labels = entry.term.labels
+        single = {
+            label for contrast in entry.term.candidate.contrasts(labels) if len(contrast) == 1 for label in contrast
+        }
+        if any(entry.intervals[label][1] < 0.0 for label in single if label in entry.intervals):
+            notes.append(f"the model has too much {entry.name}: the change found is negative")
+    for i, gain in enumerate(sensors.gains(data)):
+        if not 0.5 < gain < 1.5:
+            notes.append(f"the effort of axis {i + 1} is {gain:.3g} times the model: a unit or a sign; check both")
+    return notes, bool(level.any())
 
 
 @dataclass(frozen=True)
 class _Found:
-    """What the search ends with; noise (k,)."""
+    """What the search ends with; noise (k,); hidden (n, k): friction whose direction no column tells."""
 
     criterion: Criterion
     choice: Choice
     noise: np.ndarray
+    hidden: np.ndarray
 
     @property
     def effects(self) -> list[Term]:
@@ -103,51 +169,100 @@ def _untestable(data: Measurement) -> dict[str, str]:
     return {name: reason for name, reason in why.items() if reason}
 
 
+def _able(data: Measurement) -> list[Effect]:
+    return [effect for effect in (kind() for kind in EFFECTS) if not effect.unavailable(data)]
+
+
 def _effects(data: Measurement, rows: np.ndarray) -> list[Regressor]:
-    able = [effect for effect in (kind() for kind in EFFECTS) if not effect.unavailable(data)]
-    return [Regressor.of(effect, data, rows, shape) for effect in able for shape in effect.shapes(data)]
+    return [Regressor.of(effect, data, rows, shape) for effect in _able(data) for shape in effect.shapes(data)]
 
 
 def _scanned_effects(data: Measurement, rows: np.ndarray, residuals: list[np.ndarray]) -> list[Regressor]:
     out = []
-    for effect in (kind() for kind in EFFECTS):
+    for effect in _able(data):
         shapes = set().union(*(effect.scanned_shapes(data, rows, residual) for residual in residuals))
         out += [Regressor.of(effect, data, rows, dict(shape)) for shape in sorted(shapes)]
     return out
 
 
-def _search(data: Measurement, before: np.ndarray, rows: np.ndarray, tick) -> _Found:
-    residual, sure = before[rows], (~data.is_undecided[rows]).astype(float)
+def _search(data: Measurement, before: np.ndarray, rows: np.ndarray, known, tick) -> _Found:
+    measured, sure = before[rows], (~data.is_undecided[rows]).astype(float)
     effects = [entry for entry in _effects(data, rows) if entry.has_part]
-    plain = [Regressor.of(correction, data, rows) for correction in corrections.candidates(data)]
-    plain = [entry for entry in plain if entry.has_part]
-    weight, independent = sure, sure.sum(axis=0)
-    variance = np.maximum(residual.var(axis=0), TINY)
-    unexplained, ripples = residual, [residual]
+    plain = _without_named(corrections.candidates(data), effects, data, rows)
+    independent = np.maximum(sure.sum(axis=0), 2.0)
+    unexplained, ripples, refined = measured, [measured], []
     for turn in range(ROUNDS):
         tick(f"search {turn + 1}")
-        scaled = [ripple / np.maximum(ripple.std(axis=0), TINY) for ripple in ripples]
-        in_time = corrections.scanned(data, rows, unexplained, scaled[0])
-        named = effects + _scanned_effects(data, rows, scaled)
+        is_gross = outliers.gross(data, unexplained, rows)
+        hidden = _hidden(data, unexplained)
+        scale = np.maximum(outliers.spread(unexplained - hidden), 1e-9 * np.abs(data.force).max())
+        residual, size = measured - hidden, np.abs(unexplained - hidden)
+        weight = sure * ~is_gross * (np.minimum(1.0, HUBER * scale / np.maximum(size, TINY)) if turn else 1.0)
+        variance = (weight * size**2).sum(axis=0) / np.maximum(weight.sum(axis=0), TINY)
+        variance = np.maximum(variance, scale**2 * 1e-6)
+        scaled = [ripple * ~is_gross / np.maximum((ripple * ~is_gross).std(axis=0), TINY) for ripple in ripples]
+        in_time = corrections.scanned(data, rows, unexplained * ~is_gross, scaled[0])
+        named = effects + refined + _scanned_effects(data, rows, scaled)
         entries = named + plain + [Regressor.of(correction, data, rows) for correction in in_time]
         gram = Gram(entries, residual, weight, variance, independent)
-        criterion = Criterion([entry.term for entry in entries], gram, len(named))
+        criterion = Criterion([entry.term for entry in entries], gram, len(named), known)
         choice = choose(criterion)
         fitted = _fitted(criterion, choice, entries, residual.shape)
         nothing = np.zeros_like(residual)
-        unexplained = residual - sum(fitted.values(), nothing)
-        is_periodic = {k: criterion.terms[k].candidate.is_periodic for k in fitted}
-        ripple = sum((force for k, force in fitted.items() if is_periodic[k]), nothing)
-        smooth = sum((fitted[k] for k in criterion.effects_of(choice.members) if not is_periodic[k]), nothing)
+        unexplained = measured - sum(fitted.values(), nothing)
+        is_scanned = {k: criterion.terms[k].candidate.is_scanned for k in fitted}
+        ripple = sum((force for k, force in fitted.items() if is_scanned[k]), nothing)
+        smooth = sum((fitted[k] for k in criterion.effects_of(choice.members) if not is_scanned[k]), nothing)
         # beside the corrections, and without them: tables may have swallowed a ripple
         ripples = [unexplained + ripple, residual - smooth]
-        spread = MAD_TO_SIGMA * np.median(np.abs(unexplained - np.median(unexplained, axis=0)), axis=0)
-        spread = np.maximum(spread, 1e-9 * np.abs(data.force).max())
-        weight = sure * np.minimum(1.0, HUBER * spread / np.maximum(np.abs(unexplained), TINY))
-        variance = (weight * unexplained**2).sum(axis=0) / np.maximum(weight.sum(axis=0), TINY)
-        variance = np.maximum(variance, spread**2 * 1e-6)
-        independent = sure.sum(axis=0) / _correlation_length(unexplained)
-    return _Found(criterion, choice, np.sqrt(variance))
+        if turn < ROUNDS - 1:
+            refined = _refined(data, before, rows, [criterion.terms[k] for k in criterion.effects_of(choice.members)],
+                               np.sqrt(variance))  # fmt: skip
+        clean = (unexplained - hidden) * ~is_gross
+        independent = np.maximum((sure * ~is_gross).sum(axis=0) / _correlation_length(clean), 2.0)
+    left = np.zeros(data.shape)
+    left[rows] = hidden
+    return _Found(criterion, choice, np.sqrt(variance), left)
+
+
+def _refined(data: Measurement, before, rows, terms: list[Term], noise) -> list[Regressor]:
+    """Chosen effects at the shapes that an exact fit gives them: what a coarse choice of shapes leaves has no name."""
+    if not any(term.candidate.scales for term in terms):
+        return []
+    few = rows[np.linspace(0, len(rows) - 1, min(len(rows), REFINE_SAMPLES)).astype(int)]
+    out = []
+    for entry in fit_terms(data, before, few, terms, [], noise).effects:
+        own = {name: entry.parameters[name] for name in entry.term.shape if name in entry.parameters}
+        if own:
+            out.append(Regressor.of(entry.term.candidate, data, rows, {**entry.term.shape, **own}))
+    return out
+
+
+def _without_named(candidates, effects: list[Regressor], data: Measurement, rows: np.ndarray) -> list[Regressor]:
+    """Regressors of the corrections; one whose only column is that of a named effect is that effect."""
+    named = [
+        [column / np.linalg.norm(column) for entry in effects if entry.by_axis[i] is not None
+         for column in entry.by_axis[i].T if column.any()]
+        for i in range(data.n_axes)
+    ]  # fmt: skip
+    out = []
+    for entry in (Regressor.of(correction, data, rows) for correction in candidates):
+        own = entry.by_axis[entry.term.candidate.axis]
+        if own is None:
+            continue
+        if own.shape[1] == 1:
+            unit = own[:, 0] / np.linalg.norm(own)
+            if any(abs(unit @ column) > SAME_COLUMN for column in named[entry.term.candidate.axis]):
+                continue
+        out.append(entry)
+    return out
+
+
+def _hidden(data: Measurement, unexplained: np.ndarray) -> np.ndarray:
+    """The part of a two-valued remainder whose sign no column tells, (m, k): friction of an unknown approach."""
+    if data.has_velocity:
+        return np.zeros_like(unexplained)
+    return sensors.two_valued(unexplained) * np.sign(unexplained - np.median(unexplained, axis=0))
 
 
 def _fitted(criterion: Criterion, choice: Choice, entries: list[Regressor], shape) -> dict[int, np.ndarray]:
@@ -159,13 +274,32 @@ def _fitted(criterion: Criterion, choice: Choice, entries: list[Regressor], shap
     return out
 
 
-def _fit(data: Measurement, before: np.ndarray, train: np.ndarray, found: _Found) -> Fit:
+def _fit(data: Measurement, before: np.ndarray, train: np.ndarray, blocks: np.ndarray, found: _Found, known) -> Fit:
     """Physics that is the whole story is fitted alone, corrections to what it leaves."""
-    if not found.choice.is_physics_whole:
-        return fit_terms(data, before, train, found.effects, found.corrections, found.noise)
-    fit = fit_terms(data, before, train, found.effects, [], found.noise)
-    rest = fit_terms(data, before - fit.predict(data), train, [], found.corrections, found.noise)
-    return Fit(fit.effects, rest.corrections)
+    before = before - found.hidden
+    fitted = partial(fit_terms, data, rows=train, noise=found.noise, known=known)
+    is_whole, effects = found.choice.is_physics_whole, found.effects
+    fit = fitted(residual=before, effects=effects, corrections=[] if is_whole else found.corrections)
+    simpler = [_reduced(data, entry) for entry in fit.effects]
+    left_out = outliers.gross(data, (before - fit.predict(data))[train], train)
+    plain = confirmed(data, before, train, blocks, simpler, found.corrections, found.noise, left_out)
+    together = [] if is_whole else plain
+    if left_out.any() or [*simpler, *together] != [entry.term for entry in fit.entries]:
+        fit = fitted(residual=before, effects=simpler, corrections=together, left_out=left_out)
+    if is_whole:
+        rest = before - fit.predict(data)
+        fit = Fit(fit.effects, fitted(residual=rest, effects=[], corrections=plain, left_out=left_out).corrections)
+    return fit
+
+
+def _reduced(data: Measurement, entry: Entry) -> Term:
+    """The term, or its special case where the general one is not different from it."""
+    candidate = entry.term.candidate
+    if not candidate.reduces(entry.intervals):
+        return entry.term
+    special = effect_named(candidate.special_case)
+    axes = {label.axis for label in entry.term.labels}
+    return Term(special, tuple(label for label in special.columns(data, {}) if label.axis in axes))
 
 
 def _correlation_length(residual: np.ndarray) -> np.ndarray:
@@ -188,7 +322,7 @@ def _identities(fit: Fit) -> list[list[str]]:
     return [[name, *others] for name, others in same if others]
 
 
-def _noise_variance(data: Measurement, after: np.ndarray, train: np.ndarray, fit: Fit) -> np.ndarray:
-    sure = ~data.is_undecided[train]
-    freedom = np.maximum(sure.sum(axis=0) - fit.n_parameters / after.shape[1], 1.0)
-    return (after[train] ** 2 * sure).sum(axis=0) / freedom
+def _noise_floor(after: np.ndarray, use: np.ndarray, fit: Fit) -> float:
+    """RMS of the remainder on the training samples to use, over the axes, for its degrees of freedom."""
+    freedom = np.maximum(use.sum(axis=0) - fit.n_parameters / after.shape[1], 1.0)
+    return float(np.sqrt(np.mean((after**2 * use).sum(axis=0) / freedom)))

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from scipy import stats
@@ -50,18 +51,28 @@ class Fit:
 
 
 def fit_terms(
-    data: Measurement, residual: np.ndarray, rows: np.ndarray, effects: list[Term], corrections: list[Term], noise
+    data: Measurement,
+    residual: np.ndarray,
+    rows: np.ndarray,
+    effects: list[Term],
+    corrections: list[Term],
+    noise: np.ndarray,
+    left_out: np.ndarray | None = None,
+    known: Mapping[str, float] = MappingProxyType({}),
 ) -> Fit:
-    """Fit all terms together on the given rows; noise (k,) weighs the axes."""
+    """Fit all terms together on the given rows; noise (k,) weighs the axes; left_out (rows, k) has no weight; known:
+    parameters that the model has already, of which a change may take away.
+    """
     if not effects and not corrections:
         return Fit()
     y, scale = residual[rows], np.maximum(noise, TINY)
     sure = (~data.is_undecided[rows]).astype(float)
+    sure = sure if left_out is None else sure * ~left_out
     weight = sure
     start = _linear_start(data, y, rows, effects, corrections, sure / scale)
     fixed = [_stacked(data, rows, term) for term in corrections]
     for _ in range(_TURNS):
-        solution = _solve(data, y, rows, effects, fixed, start, np.sqrt(weight) / scale)
+        solution = _solve(data, y, rows, effects, fixed, start, np.sqrt(weight) / scale, known)
         spread = MAD_TO_SIGMA * np.median(np.abs(solution.left), axis=0) + TINY
         weight = sure * np.minimum(1.0, HUBER * spread / np.maximum(np.abs(solution.left), TINY))
         start = solution.values
@@ -108,12 +119,12 @@ class _Solution:
     left: np.ndarray
 
 
-def _solve(data, y, rows, effects, fixed, start, weight) -> _Solution:
+def _solve(data, y, rows, effects, fixed, start, weight, known) -> _Solution:
     """Least squares over the effects' parameters, corrections projected out."""
     names = [(k, name) for k in range(len(effects)) for name in start[k]]
     x0 = np.array([start[k][name] for k, name in names])
     size = np.maximum(np.abs(x0), 1e-9)
-    positive = [_positive(term) for term in effects]
+    low, high, mix = _bounds(effects, names, x0, known)
     basis = np.concatenate([np.zeros((*y.shape, 0)), *fixed], axis=-1)
     weighted = (basis * weight[..., None]).reshape(y.size, -1)
     q = np.linalg.svd(weighted, full_matrices=False)[0][:, : np.linalg.matrix_rank(weighted)] if fixed else weighted
@@ -126,14 +137,15 @@ def _solve(data, y, rows, effects, fixed, start, weight) -> _Solution:
         return force[rows]
 
     def error(scaled):
-        e = ((y - physical(scaled * size)) * weight).ravel()
+        e = ((y - physical(mix @ (scaled * size))) * weight).ravel()
         return e - q @ (q.T @ e)
 
     x, jacobian = x0, np.zeros((y.size, 0))
     if names:
-        low = [0.0 if name in positive[k] else -np.inf for k, name in names]
-        found = least_squares(error, np.maximum(x0 / size, low), bounds=(low, np.inf), x_scale="jac", max_nfev=12)
-        x, jacobian = found.x * size, found.jac / size
+        first = np.clip(np.linalg.solve(mix, x0), low, high) / size
+        bounds = (low / size, high / size)
+        found = least_squares(error, first, bounds=bounds, x_scale="jac", max_nfev=12)
+        x, jacobian = mix @ (found.x * size), found.jac / size @ np.linalg.inv(mix)
     left = y - (physical(x) if names else 0.0)
     theta = np.linalg.lstsq(weighted, (left * weight).ravel(), rcond=1e-9)[0] if fixed else np.zeros(0)
     ends = np.cumsum([columns.shape[-1] for columns in fixed])[:-1] if fixed else []
@@ -141,10 +153,28 @@ def _solve(data, y, rows, effects, fixed, start, weight) -> _Solution:
     return _Solution(values, np.split(theta, ends), names, x, jacobian, left - basis @ theta)
 
 
-def _positive(term: Term) -> set[Parameter]:
-    """Parameters that physics makes positive."""
-    contrasts = term.candidate.contrasts(term.labels)
-    return {label for contrast in contrasts if len(contrast) == 1 for label in contrast}
+def _bounds(effects, names, x0, known) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Bounds of the variables z of the search, and mix, with parameters x = mix z.
+
+    z is x itself, but where a difference of two parameters is >= 0: there it is the difference.
+    """
+    low, high, mix = np.full(len(x0), -np.inf), np.full(len(x0), np.inf), np.eye(len(x0))
+    place = {own: j for j, own in enumerate(names)}
+    for j, (k, name) in enumerate(names):
+        candidate = effects[k].candidate
+        if getattr(name, "stem", name) in candidate.scales:
+            low[j] = 1e-6 * abs(x0[j])
+        if getattr(name, "stem", name) in candidate.limits:
+            low[j], high[j] = -candidate.limits[name.stem], candidate.limits[name.stem]
+    for k, term in enumerate(effects):
+        for contrast in term.candidate.contrasts(term.labels):
+            own = [(place[k, label], factor, label) for label, factor in contrast.items() if (k, label) in place]
+            if len(own) == len(contrast) == 1:
+                low[own[0][0]] = -term.candidate.allowance(own[0][2], known)
+            elif len(own) == len(contrast) == 2 and not known:
+                (a, _, _), (b, _, _) = sorted(own, key=lambda entry: -entry[1])
+                mix[a, b], low[a] = 1.0, 0.0
+    return low, high, mix
 
 
 def _entries(effects, corrections, found: _Solution, normed) -> Fit:

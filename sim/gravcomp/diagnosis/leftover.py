@@ -48,14 +48,14 @@ def drivers(data, is_test, before, after, fit: Fit, shares, left) -> list[dict]:
     total = max(np.sum(before[is_test] ** 2), TINY)
     out = []
     for entry in sorted(fit.corrections, key=lambda e: -shares[e.name]):
-        follows = entry.term.candidate.follows(data, entry.force(data))
+        follows = entry.term.candidate.follows(data, entry.parameters, entry.force(data))
         out += [_item(axis, variable, shares[entry.name]) for axis, variable in follows]
     out += [{**item, "share": item["share"] * np.sum(after[is_test] ** 2) / total} for item in left]
     for entry in fit.effects:
         force = entry.force(data)
         out += [
             _item(axis, variable, min(float(np.sum(force[is_test, axis] ** 2) / total), 1.0))
-            for axis, variable in entry.term.candidate.follows(data, force)
+            for axis, variable in entry.term.candidate.follows(data, entry.parameters, force)
         ]
     return [item for item in out if item["share"] >= LEFT_SHARE]
 

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-_GRID = 8192
+_GRID = 16384
 _MIN_CYCLES = 3.0
 _TREND_DEGREE = 6
-_MAX_CYCLES = 300
+_MAX_CYCLES = 1000
 _MAX_LINES = 14
 _MAX_HARMONIC = 30
 

@@ -26,7 +26,7 @@ def relative_percent(error: np.ndarray, force: np.ndarray) -> float:
 
 def report(d: Diagnosis) -> dict:
     """The report as a dictionary, schema 1."""
-    test = d.is_test
+    test, force = d.is_test & ~d.left_out.any(axis=1), d.data.force
     return {
         "schema": 1,
         "verdict": d.verdict,
@@ -38,11 +38,16 @@ def report(d: Diagnosis) -> dict:
         ],
         "alternatives": _unique(d.alternatives),
         "drivers": d.drivers,
-        "before": errors(d.before[test], d.data.force[test]),
-        "after": errors(d.after[test], d.data.force[test]),
-        "before_rel_pct": relative_percent(d.before[test], d.data.force[test]),
-        "after_rel_pct": relative_percent(d.after[test], d.data.force[test]),
+        "before": errors(d.before[test], force[test]),
+        "after": errors(d.after[test], force[test]),
+        "before_rel_pct": relative_percent(d.before[test], force[test]),
+        "after_rel_pct": relative_percent(d.after[test], force[test]),
         "noise_floor_n": d.noise_floor,
+        "noise_model_free_n": d.noise.rms,
+        "noise_model_free_from": d.noise.source,
+        "untestable": d.untestable,
+        "left_out": {"gross_errors": int(np.count_nonzero(d.left_out)), "missing_values": d.data.n_dropped},
+        "notes": list(d.notes),
         "n_train": int(np.count_nonzero(~test)),
         "n_test": int(np.count_nonzero(test)),
         "unit": d.data.unit,
@@ -53,6 +58,18 @@ def report_json(d: Diagnosis) -> str:
     return json.dumps(report(d), indent=2, allow_nan=False) + "\n"
 
 
+def words(content: dict) -> list[str]:
+    """Notes on the log, what was left out, what was not testable and why; a line each."""
+    out = [f"note: {note}" for note in content["notes"]]
+    left_out = content["left_out"]
+    if any(left_out.values()):
+        out.append(f"left out: {left_out['gross_errors']} gross errors, {left_out['missing_values']} rows with marks")
+    by_reason: dict[str, list[str]] = {}
+    for name, why in content["untestable"].items():
+        by_reason.setdefault(why, []).append(name)
+    return out + [f"not testable: {', '.join(names)} ({why})" for why, names in by_reason.items()]
+
+
 def table(content: dict) -> str:
     """Before and after, as text."""
     unit = content["unit"]
@@ -61,7 +78,8 @@ def table(content: dict) -> str:
     for name in ("before", "after"):
         e = content[name]
         lines.append(f"{name:8}{e['rms_n']:12.4g}{e['max_n']:12.4g}{e['ave_pct']:10.3g}{e['max_pct']:10.3g}")
-    lines.append(f"{'noise':8}{content['noise_floor_n']:12.4g}")
+    free = f"{content['noise_model_free_n']:.4g} without a model, from {content['noise_model_free_from']}"
+    lines.append(f"{'noise':8}{content['noise_floor_n']:12.4g} of the fit, {free}")
     return "\n".join(lines)
 
 

@@ -12,6 +12,7 @@ from gravcomp.diagnosis.thresholds import (
     SAME_SCORE,
     TIE,
     TRIFLE,
+    TRIFLE_LEFT,
     VAGUE,
 )
 
@@ -30,14 +31,15 @@ def choose(criterion: Criterion) -> Choice:
     """
     every = [*criterion.effects, *criterion.corrections]
     effects = exchange(criterion, beam(criterion, criterion.effects), criterion.effects)
-    effects = _by_direction(criterion, _substantial(criterion, _simplest(criterion, effects), TRIFLE))
+    effects = _by_direction(criterion, _trifles_dropped(criterion, _simplest(criterion, effects)))
+    effects = _pruned(criterion, effects)
     free = min((climb(criterion, start, every) for start in {EMPTY, effects}), key=criterion.score)
     free = exchange(criterion, free, every)
     missed = criterion.left(effects) - criterion.left(free)
     explained = criterion.left(EMPTY) - criterion.left(free)
     if effects and missed < MISSED * explained:
         whole = climb(criterion, effects, criterion.corrections, locked=effects)
-        return Choice(_pruned(criterion, whole), True)
+        return Choice(whole, True)
     if free - criterion.effects_of(free):
         free = _substantial(criterion, free, BESIDE_CORRECTION)
         free = _unambiguous(criterion, climb(criterion, free, criterion.corrections, locked=free))
@@ -109,6 +111,18 @@ def _substantial(criterion: Criterion, members: Members, least: float) -> Member
         lost = {k: criterion.left(members - {k}) - criterion.left(members) for k in effects}
         weakest = min(lost, key=lost.get)
         if lost[weakest] >= least * explained:
+            break
+        members = members - {weakest}
+    return members
+
+
+def _trifles_dropped(criterion: Criterion, members: Members) -> Members:
+    """Drop effects, the weakest first, that are next to nothing beside what is explained and beside what is left."""
+    while len(members) > 1:
+        left = criterion.left(members)
+        lost = {k: criterion.left(members - {k}) - left for k in criterion.effects_of(members)}
+        weakest = min(lost, key=lost.get)
+        if lost[weakest] >= min(TRIFLE * (criterion.left(EMPTY) - left), TRIFLE_LEFT * left):
             break
         members = members - {weakest}
     return members

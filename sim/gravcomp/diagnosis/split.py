@@ -7,16 +7,25 @@ from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 
 TEST_SHARE = 0.25
+MOST_HELD_OUT = 0.5
+FEWEST_PLACES = 10  # distinct poses that a fit must have seen
+REPEATED = 0.7  # fewer poses than this part of the rows: they were held again
 
 
 def block_labels(data: Measurement, seed: int) -> np.ndarray:
-    """Block of each sample, (n,): stretches of time where poses follow each other, else clusters of poses."""
+    """Block of each sample, (n,): stretches of time where poses follow each other, else clusters of poses.
+
+    Rows of one pose are in one block; where there are too few poses to hold any out, blocks are stretches of time.
+    """
     n = len(data.t_s)
-    if data.is_ordered:
+    poses, of, count = np.unique(data.poses, axis=0, return_inverse=True, return_counts=True)
+    is_repeated = len(poses) < REPEATED * n and data.is_motion.mean() < 0.3
+    if (data.is_ordered and not is_repeated) or len(poses) < 2 * FEWEST_PLACES:
         return (np.arange(n) * int(np.clip(n // 25, 8, 40))) // n
-    scale = np.where(np.ptp(data.q, axis=0) > 0, np.ptp(data.q, axis=0), 1.0)
-    n_clusters = min(int(np.clip(n // 12, 8, 40)), len(np.unique(data.q, axis=0)))
-    return KMeans(n_clusters, n_init=1, random_state=seed).fit_predict(data.q / scale)
+    scale = np.where(np.ptp(poses, axis=0) > 0, np.ptp(poses, axis=0), 1.0)
+    n_clusters = min(int(np.clip(n // 12, 8, 40)), len(poses) // 2)
+    own = KMeans(n_clusters, n_init=1, random_state=seed).fit_predict(poses / scale, sample_weight=count)
+    return own[of.ravel()]
 
 
 def held_out(data: Measurement, blocks: np.ndarray, seed: int, rule: str = "blocks") -> np.ndarray:
@@ -33,8 +42,16 @@ def held_out(data: Measurement, blocks: np.ndarray, seed: int, rule: str = "bloc
         return is_backward
     if rule == "last":
         return np.arange(n) >= round((1.0 - TEST_SHARE) * n)
-    order = np.random.default_rng(seed).permutation(np.unique(blocks))
-    sizes = np.array([np.count_nonzero(blocks == b) for b in order])
-    # never all of them, even where one block is most of the data
-    chosen = order[:-1][: 1 + np.searchsorted(np.cumsum(sizes), TEST_SHARE * n)]
-    return np.isin(blocks, chosen)
+    out = np.zeros(n, bool)
+    for block in np.random.default_rng(seed).permutation(np.unique(blocks)):
+        more = out | (blocks == block)
+        if out.mean() < TEST_SHARE and more.mean() <= MOST_HELD_OUT and _leaves_enough(data, more):
+            out = more
+    if not out.any():  # one block is nearly all: its last rows
+        out[round((1.0 - TEST_SHARE) * n) :] = True
+    return out
+
+
+def _leaves_enough(data: Measurement, is_test: np.ndarray) -> bool:
+    every = len(np.unique(data.poses, axis=0))
+    return len(np.unique(data.poses[~is_test], axis=0)) >= min(FEWEST_PLACES, every - 1)

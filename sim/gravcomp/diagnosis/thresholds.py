@@ -17,13 +17,27 @@ TIE = 9.0  # scores this close cannot be told apart: odds of exp(9/2), about 90
 NEGATIVE_Z = 3.0  # a coefficient that physics makes positive is refused beyond three standard errors below zero
 MAX_TERMS = 14  # as many as 3 axes have ever needed; bounds the time
 CANCELLATION = 3.0  # single terms may have this many times the energy of their sum; tuned
-TRIFLE = 0.005  # of the energy explained: an effect below imitates an error of the others; tuned
+TRIFLE = 0.005  # of the energy explained: an effect below may imitate an error of the others; tuned
+TRIFLE_LEFT = 0.1  # of the energy left: an effect that takes more is none, however small beside the rest; tuned
 BESIDE_CORRECTION = 0.1  # of the energy explained: what a name must account for beside corrections; tuned
 MISSED = 0.005  # of the energy that can be explained: effects that miss less are the whole story; tuned
 VAGUE = 4  # names: beside corrections one with more rivals says nothing; tuned
+SAME_COLUMN = 1.0 - 1e-9  # correlation of two regressors that are one
 SAME_SCORE = 1e-6  # what lies within the span of the other terms adds nothing
 PROMISING = 20  # candidates of a move that are scored exactly; more changed no outcome on tuned seeds
 BEAM_WIDTH, BEAM_DEPTH = 4, 4
+
+# Samples and columns that are wrong
+GROSS = 8.0  # robust standard deviations outside the neighbours: a Gaussian never, Student's t of 4 degrees 1 in 500
+GROSS_SHARE = 0.05  # of the samples: more are a part of the machine
+LEAK = 0.9  # correlation of the deviation from a place with the effort; 0.999 on a real joint without integral
+SIGN_GAIN = (-1.5, -0.67)  # effort over model: nearer -1 than any other reading
+TWO_VALUED = 4.5  # inner deviations between two means: 2.7 for a Gaussian, 3.5 for an even spread
+
+# The noise that no model made, and what the remainder may be
+NOISE_SAMPLES = 24  # differences: their deviation is known to 15 %
+NEIGHBOUR_FAR = 0.35  # of the range: farther neighbours differ by more than noise
+REMAINDER = 1.2  # times that noise: more is never explained
 
 # Numbers
 SINGULAR = 1e-9  # of the largest eigenvalue: squared rounding of regressors
@@ -32,6 +46,7 @@ IMPOSSIBLE = 1e12  # score of a set that physics refuses
 
 # The search
 ROUNDS = 3  # outliers, noise and correlation settle after two; tuned
+REFINE_SAMPLES = 1200  # decide a shape to a few per cent
 SEARCH_SAMPLES = 5000  # more changes no decision, and costs time
 MINOR_SHARE = 0.03  # of what was explained: a correction this small does not spoil an explanation; tuned
 

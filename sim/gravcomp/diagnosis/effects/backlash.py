@@ -37,6 +37,7 @@ class BacklashInMotion(Backlash):
     """Backlash of which the data shows the travel: the encoder crosses the gap before the joint follows."""
 
     complexity = 4.0
+    scales = ("travel",)
 
     def unavailable(self, data):
         return super().unavailable(data) or ("" if data.is_motion.mean() > 0.3 else "no motion along time")
@@ -59,7 +60,7 @@ def _side(data, parameters) -> np.ndarray:
 def _crossing(data, axis: int, travel: float) -> np.ndarray:
     """z along time, the play operator: dz = 2 dq/travel within -1..1. Holds were approached over more than the gap."""
     step = 2.0 * np.diff(data.q[:, axis], prepend=data.q[0, axis]) / max(travel, 1e-12)
-    z, moving, hold = np.empty(len(step)), data.is_motion, data.direction[:, axis]
+    z, moving, hold = np.empty(len(step)), data.is_motion & ~data.is_first, data.direction[:, axis]
     state = float(hold[0])
     for k, change in enumerate(step.tolist()):
         state = min(max(state + change, -1.0), 1.0) if moving[k] else hold[k]

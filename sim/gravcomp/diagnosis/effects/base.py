@@ -17,16 +17,26 @@ class Effect(Candidate):
 
     name = ""
     equation = ""
-    driver = ""  # kind of the measured variable it is a function of: q, v, dir, f, a (each axis its own), or t
+    driver = ""  # kind of the measured variable it is a function of: q, v, dir, f, a (each axis its own)
     hardware = "none"  # "network": retrained statics; "compensator": friction or position table; "none"
     units: dict[str, str] = {}  # noqa: RUF012 - parameter stem -> unit, with [q] and [f] for position and effort
     per_axis = True
+    shared: tuple[str, ...] = ()  # stems of parameters that all axes have in common
     positive: tuple[str, ...] = ()  # stems of labels whose coefficients can only be >= 0
     complexity = 0.0  # added to the criterion: of two equal explanations the usual one is named
 
     @property
     def price(self) -> float:
-        return PHYSICAL_PRICE + self.complexity + (SCAN_PRICE if self.is_periodic else 0.0)
+        return PHYSICAL_PRICE + self.complexity + (SCAN_PRICE if self.is_scanned else 0.0)
+
+    def has(self, parameter: Parameter) -> bool:
+        """Is this the name of one of its parameters? Stems of ``units``, perhaps with a unit or a part behind."""
+        own = next((stem for stem in self.units if parameter.stem == stem), None)
+        if own is None:
+            return (not self.per_axis and any(parameter.stem.startswith(f"{stem}_") for stem in self.units)) or any(
+                parameter.axis is None and parameter.stem == f"{stem}_s" for stem in self.units
+            )
+        return parameter.axis is not None or own in self.shared
 
     def unavailable(self, data: Measurement) -> str:
         """Why this data cannot show the effect; empty when it can."""
@@ -39,6 +49,16 @@ class Effect(Candidate):
     def scanned_shapes(self, data: Measurement, rows: np.ndarray, residual: np.ndarray) -> set[tuple]:
         """Shapes, as items, that a scan of a residual (rows, k) proposes."""
         return set()
+
+    def seen_in(self, data: Measurement) -> dict[Parameter, tuple[float, float]]:
+        """Of an effect of a sensor: its parameters and half their 95 % intervals, where the log shows it before
+        anything is fitted.
+        """
+        return {}
+
+    def corrected(self, data: Measurement, parameters: Mapping[str, float]) -> Measurement:
+        """Of an effect of a sensor: the log as a right sensor would have written it."""
+        return data
 
     def same_as(self, parameters: Mapping[str, float]) -> tuple[str, ...]:
         """Names of effects that give the same force on any data, with other parameters."""
@@ -54,15 +74,17 @@ class Effect(Candidate):
         axes = sorted({label.axis for label in labels})
         return [{label for label in labels if label.axis == axis} for axis in axes]
 
+    def allowance(self, label, known):
+        """A coefficient may be this far below zero: the model has so much already, in both directions or in one."""
+        both = Parameter(label.stem.removesuffix("_pos").removesuffix("_neg"), label.axis)
+        return max(known.get(label, 0.0) + (known.get(both, 0.0) if both != label else 0.0), 0.0)
+
     def contrasts(self, labels):
         return [{label: 1.0} for label in labels if label.stem in self.positive]
 
-    def follows(self, data, force):
+    def follows(self, data, parameters, force):
         if not self.driver:
             return []
-        if self.driver == "t":
-            is_measured = data.temp_c is not None and np.ptp(data.temp_c) > 0
-            return [(int(axis), Variable("temp" if is_measured else "t")) for axis in np.flatnonzero(force.any(axis=0))]
         return [(int(axis), Variable(self.driver, int(axis))) for axis in np.flatnonzero(force.any(axis=0))]
 
     def is_directional(self, labels: tuple[Parameter, ...]) -> bool:
@@ -70,7 +92,7 @@ class Effect(Candidate):
 
 
 def needs_velocity(data: Measurement) -> str:
-    return "" if data.has_velocity else "no velocity"
+    return "" if data.has_velocity else "no velocity; log that of the motion, or of the approach to a hold"
 
 
 def needs_function(data: Measurement) -> str:

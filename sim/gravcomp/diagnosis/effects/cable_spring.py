@@ -16,6 +16,11 @@ class CableSpring(Effect):
     units = {"k": "[f]/[q]", "q0": "[q]"}  # noqa: RUF012
     complexity = 0.5
     is_simple = True
+    special_case = "current_offset"
+
+    def reduces(self, intervals):
+        """A spring whose k is not different from zero is an offset."""
+        return all(low <= 0.0 <= high for name, (low, high) in intervals.items() if name.startswith("k_"))
 
     def same_as(self, parameters):
         return ("current_offset",)  # they differ by q0 only

@@ -8,6 +8,8 @@ from gravcomp.diagnosis.effects.base import Effect
 from gravcomp.diagnosis.periodogram import find_lines, pitch_of
 from gravcomp.errors import InputError
 
+_SEEN = 2.2  # distances of places per wave: at two a wave and its image cannot be told apart
+
 
 class Cogging(Effect):
     """Sum over harmonics h of A_ih sin(2 pi h q_i/pitch + p_ih)."""
@@ -18,7 +20,9 @@ class Cogging(Effect):
     hardware = "compensator"
     units = {"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}  # noqa: RUF012
     complexity = 6.0
-    is_periodic = True
+    shared = ("pitch",)
+    scales = ("pitch",)
+    is_scanned = True
 
     def shapes(self, data):
         return []
@@ -33,7 +37,11 @@ class Cogging(Effect):
         lines = [find_lines(q, residual)]
         lines += [find_lines(q[:, [i]], residual[:, [i]]) for i in range(data.n_axes) if data.n_axes > 1]
         found = {pitch_of(own, span, turn, divisors) for own in lines for divisors in (1, 6)}
-        return {(("pitch", pitch[0]), ("harmonics", pitch[1])) for pitch in found if pitch}
+        seen = [
+            (pitch, tuple(h for h in own if pitch / h > _SEEN * data.spacing.max()))
+            for pitch, own in filter(None, found)
+        ]
+        return {(("pitch", pitch), ("harmonics", harmonics)) for pitch, harmonics in seen if harmonics}
 
     def columns(self, data, shape):
         out = {}

@@ -15,6 +15,7 @@ class LinkCompliance(Effect):
     hardware = "network"
     units = {"c": "[q]/[f]"}  # noqa: RUF012
     per_axis = False
+    positive = ("c",)
     complexity = 2.0
 
     unavailable = staticmethod(needs_function)

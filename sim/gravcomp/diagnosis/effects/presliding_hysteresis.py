@@ -15,6 +15,7 @@ class PreslidingHysteresis(Effect):
     hardware = "compensator"
     units = {"fc": "[f]", "s": "[q]"}  # noqa: RUF012
     positive = ("fc",)
+    scales = ("s",)
     special_case = "coulomb_friction"
     complexity = 4.0
 
@@ -44,7 +45,7 @@ def _state(data, axis: int, travel: float) -> np.ndarray:
     step = np.diff(data.q[:, axis], prepend=data.q[0, axis])
     keep = np.exp(-np.abs(step) / max(travel, 1e-12))
     target = np.sign(step)
-    z, moving, hold = np.empty(len(step)), data.is_motion, data.direction[:, axis]
+    z, moving, hold = np.empty(len(step)), data.is_motion & ~data.is_first, data.direction[:, axis]
     state = float(hold[0])
     for k in range(len(step)):
         state = target[k] + (state - target[k]) * keep[k] if moving[k] else hold[k]

@@ -15,6 +15,7 @@ class StribeckFriction(Effect):
     hardware = "compensator"
     units = {"fc": "[f]", "fs": "[f]", "vs": "[q]/s"}  # noqa: RUF012
     positive = ("fc", "fs")
+    scales = ("vs",)
     special_case = "coulomb_friction"
     complexity = 4.0
 

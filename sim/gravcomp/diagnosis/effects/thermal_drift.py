@@ -1,8 +1,8 @@
-"""The force per ampere changes as the motor warms up: over temperature where it is measured, else over time."""
+"""The force per ampere changes as the motor warms up: over time, or over temperature where it is measured."""
 
 import numpy as np
 
-from gravcomp.diagnosis.candidate import Parameter, axes_in, by_axis
+from gravcomp.diagnosis.candidate import Parameter, Variable, axes_in, by_axis
 from gravcomp.diagnosis.effects.base import Effect
 
 
@@ -10,23 +10,27 @@ class ThermalDrift(Effect):
     """gain_i (1 - exp(-t/tau)) f_model_i, or gain_i (T - T0_i) f_model_i."""
 
     name = "thermal_drift"
-    driver = "t"
     equation = "gain (1 - exp(-t/tau)) f_model, or gain (T - T0) f_model"
     hardware = "none"
     units = {"gain": "1 or 1/K", "tau": "s", "t0": "degC"}  # noqa: RUF012
     complexity = 2.0
+    scales = ("tau_s",)
 
     def unavailable(self, data):
         return "" if np.any(data.nominal) else "the model is zero"
 
+    def follows(self, data, parameters, force):
+        variable = Variable("t" if "tau_s" in parameters else "temp")
+        return [(int(axis), variable) for axis in np.flatnonzero(force.any(axis=0))]
+
     def shapes(self, data):
-        if _has_temperature(data):
-            return [{}]
-        span = np.ptp(data.t_s)
-        return [{Parameter("tau_s"): f * span} for f in (0.03, 0.07, 0.15, 0.3, 0.6, 1.2, 3.0)] if span > 0 else []
+        span, over_time = np.ptp(data.t_s), []
+        if span > 0:
+            over_time = [{Parameter("tau_s"): f * span} for f in (0.03, 0.07, 0.15, 0.3, 0.6, 1.2, 3.0)]
+        return over_time + ([{}] if _has_temperature(data) else [])
 
     def columns(self, data, shape):
-        if _has_temperature(data):
+        if "tau_s" not in shape:
             warm = by_axis(data, "slope", data.temp_c[:, None] * data.nominal)
             return warm | by_axis(data, "level", data.nominal)
         return by_axis(data, "gain", _rise(data, shape["tau_s"])[:, None] * data.nominal)

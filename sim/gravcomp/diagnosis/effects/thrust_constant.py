@@ -15,6 +15,7 @@ class ThrustConstant(Effect):
     hardware = "network"
     units = {"gain": "1"}  # noqa: RUF012
     is_simple = True
+    limits = {"gain": 0.5}  # noqa: RUF012 - beyond it is a sign or a unit
 
     def unavailable(self, data):
         return "" if np.any(data.nominal) else "the model is zero"

@@ -1,0 +1,101 @@
+"""The effort is logged late: a filter in the drive, a bus, a clock of its own."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from gravcomp.diagnosis.candidate import Parameter
+from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.logs.clock import derivative, usual_step
+from gravcomp.logs.measurement import Measurement
+
+_ROWS = 200
+_REVERSAL = 12  # rows on either side of a reversal that friction and lag share
+_SURE = 8.0  # standard errors of the lag
+_AGREE = 4.0, 0.25  # standard errors, part of the lag: axes that differ by more have no common lag
+_MATTERS = 0.3  # of the remainder: what the lag must take
+_SETTLED = 4.0  # lags after a reversal in which a filter, too, has settled
+
+
+class SensorLag(Effect):
+    """f_exp(t) = f(t - tau): to first order -tau df/dt, on all axes alike."""
+
+    name = "sensor_lag"
+    driver = "f"
+    equation = "f(t - tau) - f(t), f the true effort"
+    hardware = "none"
+    units = {"tau": "s"}  # noqa: RUF012
+
+    def unavailable(self, data):
+        return "" if data.has_velocity and data.is_motion.mean() > 0.8 else "no motion along time"
+
+    def shapes(self, data):
+        return []
+
+    def columns(self, data, shape):
+        return {}
+
+    def seen_in(self, data):
+        """From the smooth parts of a motion alone: the model's effort changes there, friction does not."""
+        if self.unavailable(data) or len(data.t_s) < _ROWS:
+            return {}
+        slope = derivative(data.nominal, data.t_s, data.runs, 0, lambda values, window: values)
+        found = [_lag_of_axis(data, i, slope[:, i]) for i in range(data.n_axes) if np.ptp(slope[:, i]) > 0.0]
+        found = [own for own in found if own is not None]
+        if not found:
+            return {}
+        lag, error = np.array(found).T
+        common = float(np.sum(lag / error**2) / np.sum(1.0 / error**2))
+        agree = np.abs(lag - common) < np.maximum(_AGREE[0] * error, _AGREE[1] * abs(common))
+        if common < _SURE / np.sqrt(np.sum(1.0 / error**2)) or not agree.all():
+            return {}
+        return {Parameter("tau_s"): (common, float(1.96 / np.sqrt(np.sum(1.0 / error**2))))}
+
+    def corrected(self, data, parameters):
+        """The effort tau earlier; where a reversal has not settled the direction is not sure."""
+        tau = parameters.get("tau_s", 0.0)
+        if not tau:
+            return data
+        force, unsure = data.force.copy(), np.zeros(data.shape, bool)
+        for run in np.unique(data.runs):
+            rows = np.flatnonzero(data.runs == run)
+            for i in range(data.n_axes):
+                force[rows, i] = np.interp(data.t_s[rows] + tau, data.t_s[rows], data.force[rows, i])
+        if data.has_velocity:
+            wide = int(np.ceil(_SETTLED * tau / usual_step(data.t_s, data.runs)))
+            unsure = _near_reversal(data, wide)
+        return replace(data, force=force, unsure=unsure)
+
+
+def _near_reversal(data: Measurement, wide: int) -> np.ndarray:
+    """Rows (n, k) at most ``wide`` rows from a change of direction of the axis."""
+    turns = np.abs(np.diff(np.sign(data.v), axis=0, prepend=np.sign(data.v[:1]))) > 0
+    window = np.ones(2 * wide + 1)
+    return np.column_stack([np.convolve(turn, window, mode="same") > 0 for turn in turns.T])
+
+
+def _lag_of_axis(data: Measurement, i: int, slope: np.ndarray) -> tuple[float, float] | None:
+    """Lag of one axis and its standard error, beside all that a smooth effect could do; None where nothing is left."""
+    use = ~_near_reversal(data, _REVERSAL)[:, i] & ~data.is_undecided[:, i] & data.is_motion
+    direction, v, f = data.direction[:, i], data.v[:, i], data.nominal[:, i]
+    beside = [np.ones(len(v)), direction, v, np.abs(f) * direction, data.q[:, i], f, data.acceleration[:, i]]
+    if data.sensitivity is not None:
+        beside += [*(data.sensitivity[:, i, :] * data.direction).T, *data.sensitivity[:, i, :].T]
+    x = np.column_stack([-slope, *beside])[use]
+    y = (data.force - data.nominal)[use, i]
+    if len(y) < _ROWS:
+        return None
+    x = x / np.maximum(np.linalg.norm(x, axis=0), 1e-300) * np.sqrt(len(y))
+    for _ in range(2):  # once more without gross errors
+        theta = np.linalg.lstsq(x, y, rcond=1e-8)[0]
+        left = y - x @ theta
+        keep = np.abs(left) <= 5.0 * 1.4826 * np.median(np.abs(left)) + 1e-300
+        x, y, left = x[keep], y[keep], left[keep]
+    inverse = np.linalg.pinv(x.T @ x, rcond=1e-10)
+    lagged = left[1:] @ left[:-1] / max(left @ left, 1e-300)
+    widened = (1 + max(lagged, 0.0)) / (1 - min(max(lagged, 0.0), 0.95))
+    unit = np.sqrt(np.mean(slope[use] ** 2))
+    error = np.sqrt(inverse[0, 0] * np.mean(left**2) * widened)
+    if abs(theta[0]) < _MATTERS * left.std():
+        return None
+    return theta[0] / unit, error / unit

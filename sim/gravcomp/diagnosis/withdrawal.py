@@ -1,0 +1,57 @@
+"""Corrections that do not hold where they were not fitted are withdrawn: cross-validation within the training."""
+
+import numpy as np
+from sklearn.model_selection import GroupKFold
+
+from gravcomp.diagnosis.candidate import Term
+from gravcomp.diagnosis.gram import pseudo_inverse
+from gravcomp.diagnosis.thresholds import TINY
+from gravcomp.logs.measurement import Measurement
+
+_FOLDS = 4
+
+
+def confirmed(
+    data: Measurement, residual: np.ndarray, rows: np.ndarray, blocks: np.ndarray, effects: list[Term],
+    corrections: list[Term], noise: np.ndarray, left_out: np.ndarray,
+) -> list[Term]:  # fmt: skip
+    """The corrections without which blocks that were not fitted are predicted worse.
+
+    residual (n, k); rows: of the training; left_out (rows, k). The weakest goes first, while that predicts better.
+    """
+    if not corrections or len(np.unique(blocks[rows])) < _FOLDS:
+        return corrections
+    weight = (~data.is_undecided[rows] & ~left_out) / np.maximum(noise, TINY)
+    sizes = [len(term.labels) for term in (*effects, *corrections)]
+    x = np.concatenate([_columns(data, rows, term) for term in (*effects, *corrections)], axis=-1) * weight[..., None]
+    y = residual[rows] * weight
+    x = x / np.maximum(np.sqrt(np.mean(x**2, axis=(0, 1))), TINY)
+    place = np.split(np.arange(x.shape[-1]), np.cumsum(sizes)[:-1])
+    folds = [test for _, test in GroupKFold(_FOLDS).split(x, groups=blocks[rows])]
+    grams = [np.einsum("nka,nkb->ab", x[test], x[test]) for test in folds]
+    crosses = [np.einsum("nka,nk->a", x[test], y[test]) for test in folds]
+
+    def error(members) -> float:
+        """Sum of squares where it was not fitted, less a constant."""
+        if not members:
+            return 0.0
+        index, total = np.concatenate([place[k] for k in members]), 0.0
+        for gram, cross in zip(grams, crosses, strict=True):
+            inverse, _ = pseudo_inverse((sum(grams) - gram)[np.ix_(index, index)])
+            theta = inverse @ (sum(crosses) - cross)[index]
+            total += theta @ gram[np.ix_(index, index)] @ theta - 2.0 * theta @ cross[index]
+        return float(total)
+
+    kept = list(range(len(sizes)))
+    while removable := [k for k in kept if k >= len(effects)]:
+        without = {k: error([j for j in kept if j != k]) for k in removable}
+        worst = min(without, key=without.get)
+        if without[worst] > error(kept):
+            break
+        kept.remove(worst)
+    return [term for k, term in enumerate(corrections) if k + len(effects) in kept]
+
+
+def _columns(data: Measurement, rows: np.ndarray, term: Term) -> np.ndarray:
+    columns = term.candidate.columns(data, term.shape)
+    return np.stack([columns[label][rows] for label in term.labels], axis=-1)
