@@ -168,15 +168,15 @@ def broken_at_rest(config, rng):
     return broken(config, rng, at_rest=True, clocks=10, most_counts=most)
 
 
-def indexed(config, clocks: int, period: int, travel: int = 70):
-    """An axis homed slowly at its first mark, which then goes travel counts up and back, twice, clocks per count.
+def indexed(config, clocks: int, period: int, travel: int = 70, times: int = 2):
+    """An axis homed slowly at its first mark, which then goes travel counts up and back some times, clocks per count.
 
     Marks are one count wide, every period counts, 0: just one. Returns the inputs, and the clock in which it is homed.
     """
     first = 8 + config.index_phase
     slow = config.filter_samples + 4
-    steps = np.concatenate((np.ones(6, np.int64), np.tile(np.repeat([1, -1], travel), 2)))
-    each = np.concatenate((np.full(6, slow), np.full(4 * travel, clocks)))
+    steps = np.concatenate((np.ones(6, np.int64), np.tile(np.repeat([1, -1], travel), times)))
+    each = np.concatenate((np.full(6, slow), np.full(2 * times * travel, clocks)))
     inputs = stimulus(path(steps, each, first - 6), config)
     behind = inputs["position"] - first
     inputs["z"] = (behind % period == 0 if period else behind == 0).astype(np.int64)
@@ -257,7 +257,7 @@ def stuck_mark(config, rng):
 
 def broken_slowly(config, rng, period: int, most_counts: int):
     """A wire of a or b breaks on an axis too slow for its edges to tell: found at a mark."""
-    inputs, homed = indexed(config, config.reversal_clocks + 10, period)
+    inputs, homed = indexed(config, config.reversal_clocks + 10, period, travel=30, times=1)
     breaks = homed + int(rng.integers(7, 13)) * (config.reversal_clocks + 10)
     inputs["ab"[int(rng.integers(2))]][breaks:] = int(rng.integers(2))
 
@@ -274,7 +274,7 @@ def broken_slowly_periodic_marks(config, rng):
 
 
 def broken_slowly_one_mark(config, rng):
-    return broken_slowly(config, rng, 0, 140)
+    return broken_slowly(config, rng, 0, 60)
 
 
 def stuck_index_is_no_reference(config, rng):
