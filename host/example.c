@@ -64,6 +64,9 @@ int run_example(const gravcomp_bus *bus, const uint8_t *image, uint32_t n_words,
         .watchdog_us = 20000,
         .result_us = 1000,
         .brake_us = 50,
+        .command_bound_ua = 100000,
+        .command_us = 5000,
+        .hold_us = 10000,
     };
     gravcomp_state state = {0};
 
@@ -75,8 +78,7 @@ int run_example(const gravcomp_bus *bus, const uint8_t *image, uint32_t n_words,
            (unsigned long)identity.clock_hz, (unsigned long)identity.weights_hash[0]);
     settings.expected_weights = identity.weights_hash[0]; /* better: the constant that you have tested */
     if (gravcomp_configure(bus, &identity, &settings) != GRAVCOMP_OK) {
-        printf("%lu counts per second are more than the core can measure\n",
-               (unsigned long)settings.speed_max_counts_per_s);
+        printf("%s\n", gravcomp_complaint(&identity, &settings));
         return 1;
     }
     if (n_words > 0) {

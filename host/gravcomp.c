@@ -101,28 +101,83 @@ gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identi
     return GRAVCOMP_OK;
 }
 
+static bool is_too_fast(const gravcomp_identity *identity, const gravcomp_settings *settings)
+{
+    uint32_t speed = settings->speed_max_counts_per_s;
+
+    return speed > 0 && period_min(identity, speed) <= shortest_period(identity);
+}
+
+static bool is_bad_period(const gravcomp_settings *settings)
+{
+    for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
+        if (settings->index_period[i] % 4) {
+            return true;
+        }
+    }
+    return false;
+}
+
+const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp_settings *settings)
+{
+    uint64_t limit = settings->current_limit_ua;
+    uint64_t slew = settings->current_slew_ua;
+    uint64_t results = 0;
+    uint64_t ramp = 0;
+
+    if (limit > INT32_MAX) {
+        return "current_limit_ua: above 2147483647";
+    }
+    if (slew > INT32_MAX) {
+        return "current_slew_ua: above 2147483647";
+    }
+    if (settings->command_bound_ua > INT32_MAX) {
+        return "command_bound_ua: above 2147483647";
+    }
+    if (limit == 0) {
+        return "current_limit_ua: 0 carries no load";
+    }
+    if (slew == 0) {
+        return "current_slew_ua: 0 never reaches current_limit_ua";
+    }
+    if (is_too_fast(identity, settings)) {
+        return "speed_max_counts_per_s: more than the core can measure with its encoder filter";
+    }
+    if (is_bad_period(settings)) {
+        return "index_period: not a multiple of 4";
+    }
+    results = (limit + slew - 1) / slew + 1;
+    ramp = results * clocks(identity, settings->tick_us) + clocks(identity, settings->brake_us);
+    if (ramp > clocks(identity, settings->hold_us)) {
+        return "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us";
+    }
+    return NULL;
+}
+
 gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity,
                                    const gravcomp_settings *settings)
 {
-    uint32_t period = period_min(identity, settings->speed_max_counts_per_s);
-
-    if (settings->speed_max_counts_per_s && period <= shortest_period(identity)) {
+    if (is_too_fast(identity, settings)) {
         return GRAVCOMP_TOO_FAST;
     }
-    for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
-        if (settings->index_period[i] % 4) {
-            return GRAVCOMP_BAD_PERIOD;
-        }
+    if (is_bad_period(settings)) {
+        return GRAVCOMP_BAD_PERIOD;
+    }
+    if (gravcomp_complaint(identity, settings) != NULL) {
+        return GRAVCOMP_UNUSABLE;
     }
     write_word(bus, OFFSET(expected_weights), settings->expected_weights);
     write_word(bus, OFFSET(tick_clocks), clocks(identity, settings->tick_us));
     write_word(bus, OFFSET(current_limit_ua), settings->current_limit_ua);
     write_word(bus, OFFSET(current_slew_ua), settings->current_slew_ua);
-    write_word(bus, OFFSET(period_min_clocks), period);
+    write_word(bus, OFFSET(period_min_clocks), period_min(identity, settings->speed_max_counts_per_s));
+    write_word(bus, OFFSET(command_bound_ua), settings->command_bound_ua);
     write_word(bus, OFFSET(saturation_clocks), clocks(identity, settings->saturation_us));
     write_word(bus, OFFSET(watchdog_clocks), clocks(identity, settings->watchdog_us));
     write_word(bus, OFFSET(result_clocks), clocks(identity, settings->result_us));
     write_word(bus, OFFSET(brake_clocks), clocks(identity, settings->brake_us));
+    write_word(bus, OFFSET(command_clocks), clocks(identity, settings->command_us));
+    write_word(bus, OFFSET(hold_clocks), clocks(identity, settings->hold_us));
     for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
         uint32_t low = (uint32_t)identity->trained_low[i] - settings->margin_counts;
         uint32_t high = (uint32_t)identity->trained_high[i] + settings->margin_counts;
@@ -238,12 +293,13 @@ static void unpack_flags(uint32_t status, uint32_t flags, gravcomp_state *state)
     state->clamped = AXES(flags, CLAMPED);
     state->saturated = AXES(flags, SATURATED);
     state->limited = AXES(flags, LIMITED);
-    state->settled = AXES(flags, SETTLED);
+    state->reached = AXES(flags, REACHED);
     state->referenced = AXES(flags, REFERENCED);
     state->illegal = AXES(flags, ILLEGAL);
     state->glitch = AXES(flags, GLITCH);
     state->speed_valid = AXES(flags, SPEED_VALID);
     state->speed_zero = AXES(flags, SPEED_ZERO);
+    state->deviates = AXES(flags, DEVIATES);
 }
 
 void gravcomp_read(const gravcomp_bus *bus, gravcomp_state *state)

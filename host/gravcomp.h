@@ -28,7 +28,8 @@ typedef enum {
     GRAVCOMP_REFUSED,       /* the core refuses the image: its length or its CRC is wrong */
     GRAVCOMP_NOT_LOADABLE,  /* the core was built without banks */
     GRAVCOMP_TOO_FAST,      /* speed_max_counts_per_s is more than the core can measure with its encoder filter */
-    GRAVCOMP_BAD_PERIOD     /* index_period is not a multiple of 4 */
+    GRAVCOMP_BAD_PERIOD,    /* index_period is not a multiple of 4 */
+    GRAVCOMP_UNUSABLE       /* the brakes could never be released, see gravcomp_complaint */
 } gravcomp_result;
 
 /* What does not change. */
@@ -56,6 +57,9 @@ typedef struct {
     uint32_t watchdog_us;                         /* longest time from kick to kick */
     uint32_t result_us;                           /* longest time from result to result */
     uint32_t brake_us;                            /* for a brake to close and for the motors to take the load */
+    uint32_t command_bound_ua;                    /* largest distance of a command from the current asked for ... */
+    uint32_t command_us;                          /* ... but for so long, while the brakes are released */
+    uint32_t hold_us;                             /* longest time until the motors have taken the load */
 } gravcomp_settings;
 
 typedef enum {
@@ -76,12 +80,13 @@ typedef struct {
     uint8_t clamped;                              /* axes: result from a clamped count */
     uint8_t saturated;                            /* axes: force saturated */
     uint8_t limited;                              /* axes: command limited in magnitude */
-    uint8_t settled;                              /* axes: command is the one asked for */
+    uint8_t reached;                              /* axes: command is the whole current asked for */
     uint8_t referenced;                           /* axes: count refers to the index */
     uint8_t illegal;                              /* axes: encoder lost counts */
     uint8_t glitch;                               /* axes: encoder filter dropped a pulse */
     uint8_t speed_valid;                          /* axes: speed is known */
     uint8_t speed_zero;                           /* axes: at rest */
+    uint8_t deviates;                             /* axes: command is beyond command_bound_ua */
     int32_t position[GRAVCOMP_AXES];              /* counts that the result comes from */
     int32_t speed_period[GRAVCOMP_AXES];          /* clocks per four counts there, negative downwards */
     int32_t force_mn[GRAVCOMP_AXES];
@@ -102,8 +107,13 @@ typedef struct {
 /* Check that the core is there and read who it is. */
 gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identity);
 
-/* Write limits and times; those of speed and time become clocks, rounded down. Without effect where it refuses them. */
-gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity, const gravcomp_settings *settings);
+/* Why the brakes could never be released with these settings, in a line; NULL when they can. The slew must take a command
+ * from zero to current_limit_ua, a tick per step and one more, and leave brake_us, within hold_us. */
+const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp_settings *settings);
+
+/* Write limits and times; those of speed and time become clocks, rounded down. Nothing where it refuses them. */
+gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity,
+                                   const gravcomp_settings *settings);
 
 /* Begin homing of these axes, end it of the others: each is referenced once it passes its index from at least one encoder
    cycle away. */

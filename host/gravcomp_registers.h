@@ -173,6 +173,24 @@ extern "C" {
 #define GC_REGISTERS__WINDOW_HIGHX__VALUE_bw 32
 #define GC_REGISTERS__WINDOW_HIGHX__VALUE_reset 0x0
 
+// reg - gc_registers.command_bound_ua
+#define GC_REGISTERS__COMMAND_BOUND_UA__VALUE_bm 0x7fffffff
+#define GC_REGISTERS__COMMAND_BOUND_UA__VALUE_bp 0
+#define GC_REGISTERS__COMMAND_BOUND_UA__VALUE_bw 31
+#define GC_REGISTERS__COMMAND_BOUND_UA__VALUE_reset 0x0
+
+// reg - gc_registers.command_clocks
+#define GC_REGISTERS__COMMAND_CLOCKS__VALUE_bm 0xffffffff
+#define GC_REGISTERS__COMMAND_CLOCKS__VALUE_bp 0
+#define GC_REGISTERS__COMMAND_CLOCKS__VALUE_bw 32
+#define GC_REGISTERS__COMMAND_CLOCKS__VALUE_reset 0x0
+
+// reg - gc_registers.hold_clocks
+#define GC_REGISTERS__HOLD_CLOCKS__VALUE_bm 0xffffffff
+#define GC_REGISTERS__HOLD_CLOCKS__VALUE_bp 0
+#define GC_REGISTERS__HOLD_CLOCKS__VALUE_bw 32
+#define GC_REGISTERS__HOLD_CLOCKS__VALUE_reset 0x0
+
 // reg - gc_registers.index_period[]
 #define GC_REGISTERS__INDEX_PERIODX__VALUE_bm 0xffffffff
 #define GC_REGISTERS__INDEX_PERIODX__VALUE_bp 0
@@ -213,9 +231,9 @@ extern "C" {
 #define GC_REGISTERS__AXIS_FLAGS__LIMITED_bm 0x1c0
 #define GC_REGISTERS__AXIS_FLAGS__LIMITED_bp 6
 #define GC_REGISTERS__AXIS_FLAGS__LIMITED_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__SETTLED_bm 0xe00
-#define GC_REGISTERS__AXIS_FLAGS__SETTLED_bp 9
-#define GC_REGISTERS__AXIS_FLAGS__SETTLED_bw 3
+#define GC_REGISTERS__AXIS_FLAGS__REACHED_bm 0xe00
+#define GC_REGISTERS__AXIS_FLAGS__REACHED_bp 9
+#define GC_REGISTERS__AXIS_FLAGS__REACHED_bw 3
 #define GC_REGISTERS__AXIS_FLAGS__REFERENCED_bm 0x7000
 #define GC_REGISTERS__AXIS_FLAGS__REFERENCED_bp 12
 #define GC_REGISTERS__AXIS_FLAGS__REFERENCED_bw 3
@@ -231,6 +249,9 @@ extern "C" {
 #define GC_REGISTERS__AXIS_FLAGS__SPEED_ZERO_bm 0x7000000
 #define GC_REGISTERS__AXIS_FLAGS__SPEED_ZERO_bp 24
 #define GC_REGISTERS__AXIS_FLAGS__SPEED_ZERO_bw 3
+#define GC_REGISTERS__AXIS_FLAGS__DEVIATES_bm 0x38000000
+#define GC_REGISTERS__AXIS_FLAGS__DEVIATES_bp 27
+#define GC_REGISTERS__AXIS_FLAGS__DEVIATES_bw 3
 
 // reg - gc_registers.position[]
 #define GC_REGISTERS__POSITIONX__VALUE_bm 0xffffffff
@@ -263,14 +284,14 @@ extern "C" {
 #define GC_REGISTERS__POSITION_NOWX__VALUE_bw 32
 
 // reg - gc_registers.cause
-#define GC_REGISTERS__CAUSE__VALUE_bm 0x3ff
+#define GC_REGISTERS__CAUSE__VALUE_bm 0xfff
 #define GC_REGISTERS__CAUSE__VALUE_bp 0
-#define GC_REGISTERS__CAUSE__VALUE_bw 10
+#define GC_REGISTERS__CAUSE__VALUE_bw 12
 
 // reg - gc_registers.fault
-#define GC_REGISTERS__FAULT__CLEAR_bm 0x3ff
+#define GC_REGISTERS__FAULT__CLEAR_bm 0xfff
 #define GC_REGISTERS__FAULT__CLEAR_bp 0
-#define GC_REGISTERS__FAULT__CLEAR_bw 10
+#define GC_REGISTERS__FAULT__CLEAR_bw 12
 #define GC_REGISTERS__FAULT__CLEAR_reset 0x0
 #define GC_REGISTERS__FAULT__ESTOP_bm 0x1
 #define GC_REGISTERS__FAULT__ESTOP_bp 0
@@ -302,11 +323,17 @@ extern "C" {
 #define GC_REGISTERS__FAULT__UNREFERENCED_bm 0x200
 #define GC_REGISTERS__FAULT__UNREFERENCED_bp 9
 #define GC_REGISTERS__FAULT__UNREFERENCED_bw 1
+#define GC_REGISTERS__FAULT__COMMAND_bm 0x400
+#define GC_REGISTERS__FAULT__COMMAND_bp 10
+#define GC_REGISTERS__FAULT__COMMAND_bw 1
+#define GC_REGISTERS__FAULT__HOLD_bm 0x800
+#define GC_REGISTERS__FAULT__HOLD_bp 11
+#define GC_REGISTERS__FAULT__HOLD_bw 1
 
 // reg - gc_registers.first_cause
-#define GC_REGISTERS__FIRST_CAUSE__VALUE_bm 0x3ff
+#define GC_REGISTERS__FIRST_CAUSE__VALUE_bm 0xfff
 #define GC_REGISTERS__FIRST_CAUSE__VALUE_bp 0
-#define GC_REGISTERS__FIRST_CAUSE__VALUE_bw 10
+#define GC_REGISTERS__FIRST_CAUSE__VALUE_bw 12
 
 // reg - gc_registers.first_position[]
 #define GC_REGISTERS__FIRST_POSITIONX__VALUE_bm 0xffffffff
@@ -437,7 +464,11 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t window_low[3];
     uint8_t RESERVED_cc_cf[0x4];
     uint32_t window_high[3];
-    uint8_t RESERVED_dc_ef[0x14];
+    uint8_t RESERVED_dc_df[0x4];
+    uint32_t command_bound_ua;
+    uint32_t command_clocks;
+    uint32_t hold_clocks;
+    uint8_t RESERVED_ec_ef[0x4];
     uint32_t index_period[3];
     uint8_t RESERVED_fc_ff[0x4];
     uint32_t result_number;

@@ -61,6 +61,13 @@ def _plain(struct: ctypes.Structure, twin: type):
     return twin(**{name: tuple(v) if isinstance(v, ctypes.Array) else v for name, v in values.items()})
 
 
+def _filled(struct: type, values: Identity | Settings) -> ctypes.Structure:
+    """The struct with the values of its dataclass."""
+    kinds = dict(struct._fields_)
+    fields_c = {name: kinds[name](*v) if isinstance(v, tuple) else v for name, v in vars(values).items()}
+    return struct(**fields_c)
+
+
 class CHost:
     """gravcomp.driver.host.Host, computed by the C driver."""
 
@@ -71,15 +78,20 @@ class CHost:
         self._bus = CBus(*self._callbacks, None)
 
     def open(self) -> tuple[Result, Identity | None]:
-        self._identity = CIdentity()
-        result = self._call("open", ctypes.byref(self._identity))
-        return result, _plain(self._identity, Identity) if result == Result.OK else None
+        identity = CIdentity()
+        result = self._call("open", ctypes.byref(identity))
+        return result, _plain(identity, Identity) if result == Result.OK else None
+
+    def complaint(self, identity: Identity, settings: Settings) -> str | None:
+        function = self._c.gravcomp_complaint
+        function.restype = ctypes.c_char_p
+        line = function(ctypes.byref(_filled(CIdentity, identity)), ctypes.byref(_filled(CSettings, settings)))
+        return line.decode() if line else None
 
     def configure(self, identity: Identity, settings: Settings) -> Result:
-        values = {field.name: getattr(settings, field.name) for field in fields(Settings)}
-        values["index_position"] = (_I32 * AXES)(*settings.index_position)
-        values["index_period"] = (_U32 * AXES)(*settings.index_period)
-        return self._call("configure", ctypes.byref(self._identity), ctypes.byref(CSettings(**values)))
+        return self._call(
+            "configure", ctypes.byref(_filled(CIdentity, identity)), ctypes.byref(_filled(CSettings, settings))
+        )
 
     def home(self, axes: int) -> Result:
         return self._call("home", ctypes.c_uint8(axes))

@@ -12,7 +12,7 @@ from runner import RTL, simulate
 
 def power_up(dut, enable: int) -> None:
     """Healthy, without a reset."""
-    for name in ("rst", "clear", "in_fault", "in_settled", "cfg_brake_clocks"):
+    for name in ("rst", "clear", "in_fault", "in_carried", "cfg_brake_clocks"):
         getattr(dut, name).value = 0
     dut.enable.value, dut.in_healthy.value = enable, 1
     Clock(dut.clk, 10, "ns").start(start_high=False)

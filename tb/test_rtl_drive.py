@@ -9,11 +9,14 @@ from gravcomp.twin.drive import LATENCY, drive
 from playback import play
 from runner import simulate
 
-OUTPUTS = ("out_valid", "out_current", "out_limited", "out_settled")
+OUTPUTS = ("out_valid", "out_current", "out_limited", "out_reached", "out_deviates")
+FLAGS = ("out_limited", "out_reached", "out_deviates")
 LARGEST = 2 ** (CURRENT_BITS - 1) - 1
 
 
-def inputs_of(current: np.ndarray, limit: int, slew: int, spacing: int = LATENCY) -> dict[str, np.ndarray]:
+def inputs_of(
+    current: np.ndarray, limit: int, slew: int, spacing: int = LATENCY, bound: int = 0
+) -> dict[str, np.ndarray]:
     """A result every spacing clocks; run high from clock 2, limits already there. current (results, axes)."""
     n_clocks = spacing * len(current) + LATENCY + 4
     valid = np.zeros(n_clocks, np.int64)
@@ -22,17 +25,19 @@ def inputs_of(current: np.ndarray, limit: int, slew: int, spacing: int = LATENCY
     asked = np.concatenate((asked, asked[-1:].repeat(n_clocks - len(asked), axis=0)))
     run = (np.arange(n_clocks) >= 2).astype(np.int64)
     rst = np.zeros_like(run)
-    cfg = {"cfg_limit": np.full(n_clocks, limit), "cfg_slew": np.full(n_clocks, slew)}
-    return {"rst": rst, "run": run, "in_valid": valid, "in_current": asked, **cfg}
+    cfg = {"limit": limit, "slew": slew, "bound": bound}
+    inputs = {"rst": rst, "run": run, "in_valid": valid, "in_current": asked, "in_clipped": np.zeros_like(asked)}
+    return inputs | {f"cfg_{name}": np.full(n_clocks, value) for name, value in cfg.items()}
 
 
 async def run_and_compare(dut, inputs) -> dict[str, np.ndarray]:
     """Outputs of the RTL, axes apart, after they were found equal to the twin's."""
     n_axes = inputs["in_current"].shape[1]
     packed = np.array([pack(row, CURRENT_BITS) for row in inputs["in_current"]], object)
-    got = await play(dut, {**inputs, "in_current": packed}, OUTPUTS)
+    clipped = np.array([pack(row, 1) for row in inputs["in_clipped"]])
+    got = await play(dut, {**inputs, "in_current": packed, "in_clipped": clipped}, OUTPUTS)
     got["out_current"] = unpack(got["out_current"], CURRENT_BITS, n_axes)
-    for flags in ("out_limited", "out_settled"):
+    for flags in FLAGS:
         got[flags] = got[flags][:, None] >> np.arange(n_axes) & 1
     expected = drive(inputs)
     for name in OUTPUTS:
@@ -50,10 +55,10 @@ async def ramps_from_zero_and_keeps_the_limits(dut):
     target = np.clip(current, -1000, 1000)
     np.testing.assert_array_equal(command, np.clip(target, -steps, steps))
     np.testing.assert_array_equal(got["out_limited"][-1], np.abs(current[0]) > 1000)
-    assert got["out_settled"][-1].all()
+    np.testing.assert_array_equal(got["out_reached"][-1], np.abs(current[0]) <= 1000)
     first = np.flatnonzero(got["out_valid"])[0]
     assert first == 4 + LATENCY
-    assert not got["out_settled"][first].any()
+    assert not got["out_reached"][first].any()
 
 
 @cocotb.test()
@@ -65,6 +70,42 @@ async def extreme_currents_do_not_overflow(dut, slew):
     command = got["out_current"][got["out_valid"] == 1]
     assert (np.abs(np.diff(command, axis=0, prepend=0)) <= slew).all()
     assert got["out_limited"].any()
+
+
+@cocotb.test()
+@cocotb.parametrize(asked=[0, 1, 1000, -1000, 1001, -1001, LARGEST, -LARGEST - 1])
+async def reached_is_the_whole_current(dut, asked):
+    """Neither the limit nor a clipped force passes for it; -2**31 is beyond every limit."""
+    n_axes = fixed_network().n_axes
+    for limit in (0, 1000, LARGEST):
+        inputs = inputs_of(np.full((4, n_axes), asked), limit, LARGEST)
+        inputs["in_clipped"][:, 1] = 1
+        got = await run_and_compare(dut, inputs)
+        assert (got["out_reached"][-1] == [abs(asked) <= limit, 0, abs(asked) <= limit]).all()
+        assert (got["out_current"][-1] == asked).all() == (abs(asked) <= limit)
+
+
+@cocotb.test()
+@cocotb.parametrize(limit=[0, 1000, LARGEST])
+async def deviation_is_exact(dut, limit):
+    """One unit on both sides of the bound, at the largest distances of two currents, too."""
+    n_axes = fixed_network().n_axes
+    for asked in (1700, -1700, LARGEST, -LARGEST - 1):
+        missed = abs(asked) - min(abs(asked), limit)
+        for bound in {max(0, min(missed + step, LARGEST)) for step in (-1, 0, 1)}:
+            got = await run_and_compare(dut, inputs_of(np.full((2, n_axes), asked), limit, LARGEST, bound=bound))
+            first = np.flatnonzero(got["out_valid"])[0]
+            assert not got["out_deviates"][: first + 2].any()
+            assert (got["out_deviates"][first + 2 :] == (missed > bound)).all(), (asked, bound)
+
+
+@cocotb.test()
+async def a_slow_command_deviates_until_it_is_near(dut):
+    n_axes = fixed_network().n_axes
+    got = await run_and_compare(dut, inputs_of(np.full((12, n_axes), -1000), LARGEST, slew=100, bound=450))
+    fresh = np.flatnonzero(got["out_valid"])
+    assert [bool(got["out_deviates"][k + 2].all()) for k in fresh] == [True] * 5 + [False] * 7
+    assert [bool(got["out_reached"][k].all()) for k in fresh] == [False] * 9 + [True] * 3
 
 
 @cocotb.test()
@@ -80,8 +121,8 @@ async def stop_is_zero_one_clock_later(dut, stop_after):
     got = await run_and_compare(dut, inputs)
     assert (got["out_current"][stop] == 3000 + 1000 * (stop >= second)).all()
     assert not got["out_current"][stop + 1 :].any()
-    assert not got["out_settled"][stop + 1 :].any()
-    assert not got["out_limited"][stop + 1 :].any()
+    for flags in FLAGS:
+        assert not got[flags][stop + 1 :].any(), flags
 
 
 @cocotb.test()
@@ -98,19 +139,22 @@ async def random_results_limits_and_stops(dut, seed):
     cocotb.log.info("seed %d", seed)
     rng, n_clocks, n_axes = np.random.default_rng(seed), 3000, fixed_network().n_axes
     bits = 2 ** rng.integers(4, 32, n_clocks // 100)
-    cfg = {name: rng.integers(0, bits).clip(max=LARGEST).repeat(100) for name in ("cfg_limit", "cfg_slew")}
+    cfg = {name: rng.integers(0, bits).clip(max=LARGEST).repeat(100) for name in ("cfg_limit", "cfg_slew", "cfg_bound")}
     current = corners_and_random(CURRENT_BITS, (n_clocks, n_axes), rng) >> rng.integers(0, 30, (n_clocks, 1))
     inputs = {
         "rst": (rng.random(n_clocks) < 0.005).astype(np.int64),
         "run": (rng.random(n_clocks) > 0.02).astype(np.int64),
         "in_valid": (rng.random(n_clocks) < 0.4).astype(np.int64),
         "in_current": current,
+        "in_clipped": (rng.random((n_clocks, n_axes)) < 0.1).astype(np.int64),
         **cfg,
     }
+    inputs["in_valid"][:2] = 0  # the limits of the test before are still there
     got = await run_and_compare(dut, inputs)
     fresh = got["out_valid"] == 1
     assert 0.01 < got["out_limited"][fresh].mean() < 0.99
-    assert 0.01 < got["out_settled"][fresh].mean() < 0.99
+    assert 0.01 < got["out_reached"][fresh].mean() < 0.99
+    assert 0.01 < got["out_deviates"][fresh].mean() < 0.99
 
 
 def test_drive_equals_twin():

@@ -29,7 +29,7 @@ PLANTED = [
         ("s_axil_bvalid <= '1';", "s_axil_bvalid <= not cpuif_req;", "write_response_holds"),
     ]),
     ("safety", "gc_brake_sequencer", [
-        ("next_v = state_run_c else '0';\n    end", "next_v /= state_braked_c else '0';\n    end",
+        ("'0';\n      if next_v = state_run_c then", "'0';\n      if next_v /= state_braked_c then",
          "brakes_are_engaged_but_in_run"),
         ("next_v = state_holding_c or next_v = state_run_c", "next_v /= state_braked_c",
          "command_is_zero_braked_and_in_fault"),
@@ -37,6 +37,13 @@ PLANTED = [
         ("next_v := state_holding_c;\n        end if;\n      elsif state = state_h",
          "next_v := state_run_c;\n        end if;\n      elsif state = state_h", "brakes_open_after_the_motors_hold"),
         ("if clear = '1' then", "if enable = '0' then", "fault_lasts_until_all_are_cleared_and_no_cause_is_present"),
+    ]),
+    ("safety", "gc_brake_sequencer", [
+        (" or (enable = '1' and in_carried = '0')", "", "brakes_open_after_the_whole_command_was_reached"),
+    ]),
+    ("safety", "gc_safety", [
+        ("when unsigned(in_deviates) = 0", "when unsigned(in_deviates) < 2", "lasting_deviation_engages_the_brakes"),
+        ("hold_1 and not released", "hold_1 and released", "holding_ends_in_time"),
     ]),
     ("safety", "gc_safety", [
         ("estop_known and not estop_level(0)", "estop_known and estop_level(0)", "emergency_stop_engages_the_brakes"),

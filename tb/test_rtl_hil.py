@@ -47,6 +47,9 @@ SETTINGS = {
     "watchdog_clocks": 10 * CLOCKS_PER_STEP,
     "result_clocks": 3 * CLOCKS_PER_STEP,
     "brake_clocks": 3 * CLOCKS_PER_STEP,
+    "command_bound_ua": 10_000,
+    "command_clocks": 2 * CLOCKS_PER_STEP,
+    "hold_clocks": 20 * CLOCKS_PER_STEP,
 }
 
 

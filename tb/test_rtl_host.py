@@ -15,7 +15,7 @@ from c_host import CHost, compile_host
 from codes import ROOT, fixed_network, pack, weights_under_test
 from gravcomp.cli import main
 from gravcomp.core.formats import COUNT_BITS
-from gravcomp.driver.host import Brakes, Event, Host, Result, Settings, State
+from gravcomp.driver.host import Brakes, Event, Host, Identity, Result, Settings, State
 from gravcomp.driver.registers import read_registers
 from gravcomp.network.weights import weights_hash
 from gravcomp.twin import network as bittrue
@@ -37,13 +37,16 @@ SETTINGS = Settings(
     index_period=(0, 4000, 400),
     margin_counts=100,
     speed_max_counts_per_s=15_000_000,
-    current_limit_ua=1_000_000,
+    current_limit_ua=1_500_000,
     current_slew_ua=400_000,
     tick_us=3,
     saturation_us=200,
     watchdog_us=60,
     result_us=200,
     brake_us=1,
+    command_bound_ua=1000,
+    command_us=10,
+    hold_us=100,
 )
 
 
@@ -69,7 +72,7 @@ class Robot:
 def session(host: Host | CHost, robot: Robot) -> list:
     """All functions of the driver; returns what they returned."""
     answers = [host.open()]
-    host.configure(answers[0][1], SETTINGS)
+    answers.append(host.configure(answers[0][1], SETTINGS))
     answers.append(host.release(3))  # not homed: refused
     answers.append(host.home(7))
     robot.load()
@@ -130,7 +133,7 @@ def check(answers: list) -> None:
     """The answers are the right ones, not only the same ones."""
     results = [answer for answer in answers if isinstance(answer, Result)]
     ok, fault = Result.OK, Result.FAULT
-    assert results == [fault, ok, ok, ok, ok, Result.TIMEOUT, ok, ok, fault, ok, ok, ok, Result.REFUSED, ok]
+    assert results == [ok, fault, ok, ok, ok, ok, Result.TIMEOUT, ok, ok, fault, ok, ok, ok, Result.REFUSED, ok]
     states = [answer for answer in answers if isinstance(answer, State)]
     fixed = fixed_network()
     for state, pose in zip(states[:3], POSES, strict=True):
@@ -140,7 +143,7 @@ def check(answers: list) -> None:
         np.testing.assert_array_equal(state.current_ua, bittrue.current_scaler(force_mn, fixed))
     released, stopped, cleared, again, braked = states[3:]
     assert (released.brakes, released.released, released.run) == (Brakes.RUN, 7, 1)
-    np.testing.assert_array_equal(released.command_ua, np.minimum(released.current_ua, SETTINGS.current_limit_ua))
+    assert released.command_ua == released.current_ua
     assert released.limited == sum((c > SETTINGS.current_limit_ua) << i for i, c in enumerate(released.current_ua))
     assert (stopped.brakes, stopped.released, stopped.fault & 1, stopped.first_cause) == (Brakes.FAULTED, 0, 1, 1)
     assert stopped.command_ua == (0, 0, 0)
@@ -233,6 +236,38 @@ def test_host_example_loads_homes_releases_and_prints_forces():
         assert [float(text) for text in re.findall(r"q\d +([-.\d]+) mm", line)] == [0.002] * 3
         np.testing.assert_allclose([float(text) for text in re.findall(r"([-.\d]+) N", line)], force_n, atol=1e-9)
     assert len(lines) == 2
+
+
+UNUSABLE = [
+    ({"current_limit_ua": 0}, "current_limit_ua: 0 carries no load"),
+    ({"current_slew_ua": 0}, "current_slew_ua: 0 never reaches current_limit_ua"),
+    ({"index_period": (4, 4, 2)}, "index_period: not a multiple of 4"),
+    ({"hold_us": 15}, "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us"),
+    ({"current_slew_ua": 46_874}, "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us"),
+    ({"brake_us": 90}, "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us"),
+    *(({name: 2**31}, f"{name}: above 2147483647") for name in ("current_limit_ua", "current_slew_ua",
+                                                                 "command_bound_ua")),
+]  # fmt: skip
+USABLE = [
+    {},
+    {"hold_us": 16},
+    {"current_slew_ua": 46_875},
+    {"current_slew_ua": 2**31 - 1, "current_limit_ua": 2**31 - 1},
+]
+
+
+def test_host_refuses_settings_that_never_release_the_brakes(tmp_path):
+    """In C and in Python, in the same words, and before anything is written."""
+    library = compile_host(tmp_path)
+    identity = Identity(20, 4, 40_000_000, 4, (0,) * 8, (0,) * 8, (0,) * 3, (0,) * 3)
+    for changes, line in [*UNUSABLE, *((changes, None) for changes in USABLE)]:
+        for name in ("C", "Python"):
+            bus = FakeBus()
+            host = CHost(library, bus) if name == "C" else Host(bus)
+            settings = replace(SETTINGS, **changes)
+            assert host.complaint(identity, settings) == line, (name, changes)
+            assert (host.configure(identity, settings) == Result.OK) == (line is None)
+            assert bool(bus.written) == (line is None)
 
 
 class FakeBus:

@@ -17,12 +17,20 @@ OUTPUTS = ("run", "brake_release", "sts_state", "sts_present", "sts_fault", "sts
 PERIOD_BITS = 32
 WIDTHS = {name: COUNT_BITS for name in ("in_count", "cfg_count_low", "cfg_count_high")} | {
     "in_period": PERIOD_BITS,
-    **{name: 1 for name in ("in_referenced", "in_illegal", "in_clamped", "in_saturated", "in_settled")},
+    **{name: 1 for name in ("in_referenced", "in_illegal", "in_clamped", "in_saturated", "in_reached", "in_deviates")},
 }
 STILL = 2**31 - 1  # speed_period at standstill
 SHORTEST = 8  # speed_period at the limit speed of the decoder
-PERIOD_MIN, SATURATION, WATCHDOG, RESULT, BRAKE = 100, 20, 40, 30, 10
-LIMITS = {Cause.SATURATION: SATURATION, Cause.WATCHDOG: WATCHDOG, Cause.RESULT: RESULT}
+PERIOD_MIN, SATURATION, WATCHDOG, RESULT, BRAKE, COMMAND, HOLD = 100, 20, 40, 30, 10, 15, 50
+LIMITS = {
+    Cause.SATURATION: SATURATION,
+    Cause.WATCHDOG: WATCHDOG,
+    Cause.RESULT: RESULT,
+    Cause.COMMAND: COMMAND,
+    Cause.HOLD: HOLD,
+}
+# In these states only, which they end: nothing of them lasts.
+WHILE = {Cause.COMMAND: State.RUN, Cause.HOLD: State.HOLDING}
 ALL = (1 << len(Cause)) - 1
 ENABLED, RUNNING, ONSET = 10, 40, 100  # clocks of the directed tests
 
@@ -34,13 +42,13 @@ def quiet_inputs(n_clocks: int) -> dict[str, np.ndarray]:
     pulses = (np.arange(n_clocks) % 8 == 0).astype(np.int64)
     inputs = {name: zero for name in ("rst", "enable", "clear", "in_crc_bad", "in_rom_bad")}
     inputs |= {"estop_n": zero + 1, "kick": pulses, "in_result": pulses}
-    inputs |= {name: axes_zero for name in ("in_illegal", "in_clamped", "in_saturated")}
-    inputs |= {"in_referenced": axes_zero + 1, "in_settled": axes_zero + 1, "in_period": axes_zero + STILL}
+    inputs |= {name: axes_zero for name in ("in_illegal", "in_clamped", "in_saturated", "in_deviates")}
+    inputs |= {"in_referenced": axes_zero + 1, "in_reached": axes_zero + 1, "in_period": axes_zero + STILL}
     inputs |= {"in_count": 7 * np.arange(n_clocks)[:, None] + 1000 * np.arange(n_axes)}
     low, high = position_window()
     inputs |= {"cfg_count_low": axes_zero + low, "cfg_count_high": axes_zero + high}
     limits = {"period_min": PERIOD_MIN, "saturation_clocks": SATURATION, "watchdog_clocks": WATCHDOG}
-    limits |= {"result_clocks": RESULT, "brake_clocks": BRAKE}
+    limits |= {"result_clocks": RESULT, "brake_clocks": BRAKE, "command_clocks": COMMAND, "hold_clocks": HOLD}
     inputs |= {f"cfg_{name}": zero + value for name, value in limits.items()}
     return {name: values.copy() for name, values in inputs.items()}
 
@@ -65,6 +73,8 @@ def present_it(inputs: dict[str, np.ndarray], cause: Cause, clocks: slice, axis:
         Cause.WATCHDOG: ("kick", 0),
         Cause.RESULT: ("in_result", 0),
         Cause.REFERENCE: ("in_referenced", 0),
+        Cause.COMMAND: ("in_deviates", 1),
+        Cause.HOLD: ("in_reached", 0),
     }[cause]
     inputs[name][(clocks, axis) if inputs[name].ndim == 2 else clocks] = value
 
@@ -100,7 +110,7 @@ def documented_clocks(cause: Cause) -> int:
 
 
 @cocotb.test()
-@cocotb.parametrize(cause=list(Cause))
+@cocotb.parametrize(cause=[cause for cause in Cause if cause not in WHILE])
 async def reacts_to_a_cause(dut, cause):
     end, n_axes = 300, fixed_network().n_axes
     for axis in range(n_axes):
@@ -130,7 +140,7 @@ async def reacts_to_a_cause(dut, cause):
 
 
 @cocotb.test()
-@cocotb.parametrize(cause=list(Cause))
+@cocotb.parametrize(cause=[cause for cause in Cause if cause not in WHILE])
 async def causes_while_braked(dut, cause):
     """Some are faults, the others keep the brakes engaged; enable that rose meanwhile starts nothing later."""
     inputs = quiet_inputs(320)
@@ -160,6 +170,7 @@ async def values_at_the_limit_are_no_fault(dut):
         inputs["in_result"][ONSET + 1 : ONSET + 1 + RESULT] = 0
         inputs["in_result"][[ONSET, ONSET + 1 + RESULT]] = 1
         inputs["in_saturated"][ONSET : ONSET + SATURATION, axis] = 1
+        inputs["in_deviates"][ONSET : ONSET + COMMAND, axis] = 1
         got = await run_and_compare(dut, inputs)
         assert (got["sts_state"][RUNNING:] == State.RUN).all()
 
@@ -177,6 +188,61 @@ async def no_speed_limit_switches_the_supervision_off(dut, limit):
         assert (got["sts_state"][RUNNING:ONSET] == State.RUN).all()
         lowest = max(limit, SHORTEST + 1) if limit else STILL
         assert got["brake_release"][-1] == (abs(period) >= lowest), (limit, period)
+
+
+@cocotb.test()
+async def a_command_that_deviates_for_too_long_ends_the_run(dut):
+    for axis in range(fixed_network().n_axes):
+        inputs = quiet_inputs(300)
+        inputs["enable"][ENABLED:250] = 1
+        inputs["clear"][200] = Cause.COMMAND.mask
+        present_it(inputs, Cause.COMMAND, slice(ONSET, 300), axis)
+        got = await run_and_compare(dut, inputs)
+        stop = ONSET + documented_clocks(Cause.COMMAND)
+        assert (got["sts_state"][RUNNING:stop] == State.RUN).all()
+        assert not got["brake_release"][stop:].any()
+        assert not got["run"][stop:].any()
+        assert (got["sts_state"][stop:201] == State.FAULT).all()
+        assert (got["sts_first_cause"][stop:201] == Cause.COMMAND.mask).all()
+        assert (got["sts_first_count"][stop:201] == inputs["in_count"][stop - 2]).all()
+        assert (got["sts_state"][201:] == State.BRAKED).all()
+
+
+@cocotb.test()
+async def a_command_may_deviate_while_the_brakes_are_engaged(dut):
+    """It does while it ramps up, and after the run the brakes have the load already."""
+    inputs = quiet_inputs(300)
+    inputs["in_deviates"][:ENABLED] = inputs["in_deviates"][ENABLED : ENABLED + BRAKE] = 1
+    inputs["enable"][ENABLED:ONSET] = 1
+    inputs["in_deviates"][ONSET:] = 1
+    got = await run_and_compare(dut, inputs)
+    assert (got["sts_state"][RUNNING : ONSET + 1] == State.RUN).all()
+    assert got["sts_state"][-1] == State.BRAKED
+    assert not got["sts_fault"].any()
+
+
+@cocotb.test()
+@cocotb.parametrize(hold=[0, 1, BRAKE + 1, BRAKE + 2, HOLD])
+async def holding_has_a_time_out(dut, hold):
+    """Motors that never carry the load, or too late, end in FAULT, and the brakes stay engaged."""
+    for axis in range(fixed_network().n_axes):
+        for reached_at in (0, ENABLED + 20, 500):
+            inputs = quiet_inputs(200)
+            inputs["enable"][ENABLED:] = 1
+            inputs["cfg_hold_clocks"][:] = hold
+            present_it(inputs, Cause.HOLD, slice(0, reached_at), axis)
+            got = await run_and_compare(dut, inputs)
+            begins = ENABLED + 1
+            in_time = max(reached_at, begins) + BRAKE + 2 <= begins + hold + 1
+            if in_time:
+                assert got["sts_state"][-1] == State.RUN
+                assert not got["sts_fault"].any()
+                continue
+            stop = begins + documented_clocks(Cause.HOLD) - HOLD + hold
+            assert not got["brake_release"].any()
+            assert (got["sts_state"][begins:stop] == State.HOLDING).all()
+            assert (got["sts_state"][stop:] == State.FAULT).all()
+            assert (got["sts_first_cause"][stop:] == Cause.HOLD.mask).all()
 
 
 @cocotb.test()
@@ -247,7 +313,7 @@ async def nothing_starts_before_the_emergency_stop_is_known(dut):
 async def brakes_open_when_the_motors_hold_and_close_before_they_let_go(dut):
     inputs = quiet_inputs(200)
     inputs["enable"][ENABLED:120] = 1
-    inputs["in_settled"][:50, 1] = 0
+    inputs["in_reached"][:50, 1] = 0
     got = await run_and_compare(dut, inputs)
     run, released = np.flatnonzero(got["run"]), np.flatnonzero(got["brake_release"])
     assert run[0] == ENABLED + 1
@@ -287,9 +353,11 @@ def random_inputs(rng: np.random.Generator, n_clocks: int) -> dict[str, np.ndarr
     inputs["clear"] = rng.integers(0, ALL + 1, n_clocks) | rng.choice([0, ALL], n_clocks)
     inputs["clear"][rng.random(n_clocks) < 0.9] = 0
     inputs["rst"] = (rng.random(n_clocks) < 0.0005).astype(np.int64)
-    inputs["in_settled"] = (rng.random((n_clocks // 10, n_axes)) < 0.97).repeat(10, axis=0).astype(np.int64)
-    for name, high in (("cfg_brake_clocks", 12), ("cfg_saturation_clocks", 30), ("cfg_period_min", 2 * PERIOD_MIN)):
-        inputs[name] = rng.integers(0, high, n_clocks // 200).repeat(200)
+    inputs["in_reached"] = (rng.random((n_clocks // 10, n_axes)) < 0.97).repeat(10, axis=0).astype(np.int64)
+    inputs["in_deviates"] |= (rng.random((n_clocks // 40, n_axes)) < 0.1).repeat(40, axis=0)
+    most = {"brake_clocks": 12, "saturation_clocks": 30, "command_clocks": 30, "hold_clocks": 60}
+    for name, high in (most | {"period_min": 2 * PERIOD_MIN}).items():
+        inputs[f"cfg_{name}"] = rng.integers(0, high, n_clocks // 200).repeat(200)
     return inputs
 
 

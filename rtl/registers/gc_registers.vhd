@@ -107,6 +107,9 @@ architecture rtl of gc_registers is
         brake_clocks : std_logic;
         window_low : std_logic_array1(0 to 2);
         window_high : std_logic_array1(0 to 2);
+        command_bound_ua : std_logic;
+        command_clocks : std_logic;
+        hold_clocks : std_logic;
         index_period : std_logic_array1(0 to 2);
         result_number : std_logic;
         missed_ticks : std_logic;
@@ -297,6 +300,33 @@ architecture rtl of gc_registers is
     end record;
     type gc_registers_window_high_combo_t_array is array(natural range <>) of gc_registers_window_high_combo_t;
 
+    type gc_registers_command_bound_ua_value_combo_t is record
+        next_q : std_logic_vector(30 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_command_bound_ua_combo_t is record
+        value : gc_registers_command_bound_ua_value_combo_t;
+    end record;
+
+    type gc_registers_command_clocks_value_combo_t is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_command_clocks_combo_t is record
+        value : gc_registers_command_clocks_value_combo_t;
+    end record;
+
+    type gc_registers_hold_clocks_value_combo_t is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_hold_clocks_combo_t is record
+        value : gc_registers_hold_clocks_value_combo_t;
+    end record;
+
     type gc_registers_index_period_value_combo_t is record
         next_q : std_logic_vector(31 downto 0);
         load_next : std_logic;
@@ -308,7 +338,7 @@ architecture rtl of gc_registers is
     type gc_registers_index_period_combo_t_array is array(natural range <>) of gc_registers_index_period_combo_t;
 
     type gc_registers_fault_clear_combo_t is record
-        next_q : std_logic_vector(9 downto 0);
+        next_q : std_logic_vector(11 downto 0);
         load_next : std_logic;
     end record;
 
@@ -421,6 +451,9 @@ architecture rtl of gc_registers is
         brake_clocks : gc_registers_brake_clocks_combo_t;
         window_low : gc_registers_window_low_combo_t_array(0 to 2);
         window_high : gc_registers_window_high_combo_t_array(0 to 2);
+        command_bound_ua : gc_registers_command_bound_ua_combo_t;
+        command_clocks : gc_registers_command_clocks_combo_t;
+        hold_clocks : gc_registers_hold_clocks_combo_t;
         index_period : gc_registers_index_period_combo_t_array(0 to 2);
         fault : gc_registers_fault_combo_t;
         interrupt_enable : gc_registers_interrupt_enable_combo_t;
@@ -568,6 +601,30 @@ architecture rtl of gc_registers is
     end record;
     type gc_registers_window_high_storage_t_array is array(natural range <>) of gc_registers_window_high_storage_t;
 
+    type gc_registers_command_bound_ua_value_storage_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_command_bound_ua_storage_t is record
+        value : gc_registers_command_bound_ua_value_storage_t;
+    end record;
+
+    type gc_registers_command_clocks_value_storage_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_command_clocks_storage_t is record
+        value : gc_registers_command_clocks_value_storage_t;
+    end record;
+
+    type gc_registers_hold_clocks_value_storage_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_hold_clocks_storage_t is record
+        value : gc_registers_hold_clocks_value_storage_t;
+    end record;
+
     type gc_registers_index_period_value_storage_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -578,7 +635,7 @@ architecture rtl of gc_registers is
     type gc_registers_index_period_storage_t_array is array(natural range <>) of gc_registers_index_period_storage_t;
 
     type gc_registers_fault_clear_storage_t is record
-        value : std_logic_vector(9 downto 0);
+        value : std_logic_vector(11 downto 0);
     end record;
 
     type gc_registers_fault_storage_t is record
@@ -678,6 +735,9 @@ architecture rtl of gc_registers is
         brake_clocks : gc_registers_brake_clocks_storage_t;
         window_low : gc_registers_window_low_storage_t_array(0 to 2);
         window_high : gc_registers_window_high_storage_t_array(0 to 2);
+        command_bound_ua : gc_registers_command_bound_ua_storage_t;
+        command_clocks : gc_registers_command_clocks_storage_t;
+        hold_clocks : gc_registers_hold_clocks_storage_t;
         index_period : gc_registers_index_period_storage_t_array(0 to 2);
         fault : gc_registers_fault_storage_t;
         interrupt_enable : gc_registers_interrupt_enable_storage_t;
@@ -1068,6 +1128,15 @@ begin
             is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#D0# + i0*16#4#));
             is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#D0# + i0*16#4#));
         end loop;
+        decoded_reg_strb.command_bound_ua <= cpuif_req_masked and (cpuif_addr = 16#E0#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#E0#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#E0#));
+        decoded_reg_strb.command_clocks <= cpuif_req_masked and (cpuif_addr = 16#E4#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#E4#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#E4#));
+        decoded_reg_strb.hold_clocks <= cpuif_req_masked and (cpuif_addr = 16#E8#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#E8#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#E8#));
         for i0 in 0 to 2 loop
             decoded_reg_strb.index_period(i0) <= cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#);
             is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#));
@@ -1708,6 +1777,93 @@ begin
         end process;
         hwif_out.window_high(i0).value.value <= field_storage.window_high(i0).value.value;
     end generate;
+
+    -- Field: gc_registers.command_bound_ua.value
+    process(all)
+        variable next_c: std_logic_vector(30 downto 0);
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.command_bound_ua.value.value;
+        load_next_c := '0';
+        if decoded_reg_strb.command_bound_ua and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.command_bound_ua.value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+            load_next_c := '1';
+        end if;
+        field_combo.command_bound_ua.value.next_q <= next_c;
+        field_combo.command_bound_ua.value.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.command_bound_ua.value.value <= 31x"0";
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.command_bound_ua.value.value <= 31x"0";
+            else
+                if field_combo.command_bound_ua.value.load_next then
+                    field_storage.command_bound_ua.value.value <= field_combo.command_bound_ua.value.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.command_bound_ua.value.value <= field_storage.command_bound_ua.value.value;
+
+    -- Field: gc_registers.command_clocks.value
+    process(all)
+        variable next_c: std_logic_vector(31 downto 0);
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.command_clocks.value.value;
+        load_next_c := '0';
+        if decoded_reg_strb.command_clocks and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.command_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            load_next_c := '1';
+        end if;
+        field_combo.command_clocks.value.next_q <= next_c;
+        field_combo.command_clocks.value.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.command_clocks.value.value <= 32x"0";
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.command_clocks.value.value <= 32x"0";
+            else
+                if field_combo.command_clocks.value.load_next then
+                    field_storage.command_clocks.value.value <= field_combo.command_clocks.value.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.command_clocks.value.value <= field_storage.command_clocks.value.value;
+
+    -- Field: gc_registers.hold_clocks.value
+    process(all)
+        variable next_c: std_logic_vector(31 downto 0);
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.hold_clocks.value.value;
+        load_next_c := '0';
+        if decoded_reg_strb.hold_clocks and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.hold_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            load_next_c := '1';
+        end if;
+        field_combo.hold_clocks.value.next_q <= next_c;
+        field_combo.hold_clocks.value.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.hold_clocks.value.value <= 32x"0";
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.hold_clocks.value.value <= 32x"0";
+            else
+                if field_combo.hold_clocks.value.load_next then
+                    field_storage.hold_clocks.value.value <= field_combo.hold_clocks.value.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.hold_clocks.value.value <= field_storage.hold_clocks.value.value;
     gen_field_logic_index_period_dim0: for i0 in 0 to 2 generate
 
         -- Field: gc_registers.index_period[].value
@@ -1742,13 +1898,13 @@ begin
 
     -- Field: gc_registers.fault.clear
     process(all)
-        variable next_c: std_logic_vector(9 downto 0);
+        variable next_c: std_logic_vector(11 downto 0);
         variable load_next_c: std_logic;
     begin
         next_c := field_storage.fault.clear.value;
         load_next_c := '0';
         if decoded_reg_strb.fault and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.fault.clear.value and not decoded_wr_biten(9 downto 0)) or (decoded_wr_data(9 downto 0) and decoded_wr_biten(9 downto 0));
+            next_c := (field_storage.fault.clear.value and not decoded_wr_biten(11 downto 0)) or (decoded_wr_data(11 downto 0) and decoded_wr_biten(11 downto 0));
             load_next_c := '1';
         elsif hwif_in.fault.clear.hwclr then -- HW Clear
             next_c := (others => '0');
@@ -1759,10 +1915,10 @@ begin
     end process;
     process(clk) begin
         if false then -- async reset
-            field_storage.fault.clear.value <= 10x"0";
+            field_storage.fault.clear.value <= 12x"0";
         elsif rising_edge(clk) then
             if rst then -- sync reset
-                field_storage.fault.clear.value <= 10x"0";
+                field_storage.fault.clear.value <= 12x"0";
             else
                 if field_combo.fault.clear.load_next then
                     field_storage.fault.clear.value <= field_combo.fault.clear.next_q;
@@ -2169,13 +2325,14 @@ begin
                 rbuf_storage.axis_flags.data(2 downto 0) <= hwif_in.axis_flags.clamped.next_q;
                 rbuf_storage.axis_flags.data(5 downto 3) <= hwif_in.axis_flags.saturated.next_q;
                 rbuf_storage.axis_flags.data(8 downto 6) <= hwif_in.axis_flags.limited.next_q;
-                rbuf_storage.axis_flags.data(11 downto 9) <= hwif_in.axis_flags.settled.next_q;
+                rbuf_storage.axis_flags.data(11 downto 9) <= hwif_in.axis_flags.reached.next_q;
                 rbuf_storage.axis_flags.data(14 downto 12) <= hwif_in.axis_flags.referenced.next_q;
                 rbuf_storage.axis_flags.data(17 downto 15) <= hwif_in.axis_flags.illegal.next_q;
                 rbuf_storage.axis_flags.data(20 downto 18) <= hwif_in.axis_flags.glitch.next_q;
                 rbuf_storage.axis_flags.data(23 downto 21) <= hwif_in.axis_flags.speed_valid.next_q;
                 rbuf_storage.axis_flags.data(26 downto 24) <= hwif_in.axis_flags.speed_zero.next_q;
-                rbuf_storage.axis_flags.data(31 downto 27) <= (others => '0');
+                rbuf_storage.axis_flags.data(29 downto 27) <= hwif_in.axis_flags.deviates.next_q;
+                rbuf_storage.axis_flags.data(31 downto 30) <= (others => '0');
             end if;
         end if;
     end process;
@@ -2236,15 +2393,15 @@ begin
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.cause.data(9 downto 0) <= hwif_in.cause.value.next_q;
-                rbuf_storage.cause.data(31 downto 10) <= (others => '0');
+                rbuf_storage.cause.data(11 downto 0) <= hwif_in.cause.value.next_q;
+                rbuf_storage.cause.data(31 downto 12) <= (others => '0');
             end if;
         end if;
     end process;
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.fault.data(9 downto 0) <= field_storage.fault.clear.value;
+                rbuf_storage.fault.data(11 downto 0) <= field_storage.fault.clear.value;
                 rbuf_storage.fault.data(0 downto 0) <= to_std_logic_vector(hwif_in.fault.estop.next_q);
                 rbuf_storage.fault.data(1 downto 1) <= to_std_logic_vector(hwif_in.fault.encoder.next_q);
                 rbuf_storage.fault.data(2 downto 2) <= to_std_logic_vector(hwif_in.fault.crc.next_q);
@@ -2255,15 +2412,17 @@ begin
                 rbuf_storage.fault.data(7 downto 7) <= to_std_logic_vector(hwif_in.fault.watchdog.next_q);
                 rbuf_storage.fault.data(8 downto 8) <= to_std_logic_vector(hwif_in.fault.result.next_q);
                 rbuf_storage.fault.data(9 downto 9) <= to_std_logic_vector(hwif_in.fault.unreferenced.next_q);
-                rbuf_storage.fault.data(31 downto 10) <= (others => '0');
+                rbuf_storage.fault.data(10 downto 10) <= to_std_logic_vector(hwif_in.fault.command.next_q);
+                rbuf_storage.fault.data(11 downto 11) <= to_std_logic_vector(hwif_in.fault.hold.next_q);
+                rbuf_storage.fault.data(31 downto 12) <= (others => '0');
             end if;
         end if;
     end process;
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.first_cause.data(9 downto 0) <= hwif_in.first_cause.value.next_q;
-                rbuf_storage.first_cause.data(31 downto 10) <= (others => '0');
+                rbuf_storage.first_cause.data(11 downto 0) <= hwif_in.first_cause.value.next_q;
+                rbuf_storage.first_cause.data(31 downto 12) <= (others => '0');
             end if;
         end if;
     end process;
@@ -2379,6 +2538,15 @@ begin
                 readback_data_var(31 downto 0) := field_storage.window_high(i0).value.value;
             end if;
         end loop;
+        if rd_mux_addr = 16#E0# then
+            readback_data_var(30 downto 0) := field_storage.command_bound_ua.value.value;
+        end if;
+        if rd_mux_addr = 16#E4# then
+            readback_data_var(31 downto 0) := field_storage.command_clocks.value.value;
+        end if;
+        if rd_mux_addr = 16#E8# then
+            readback_data_var(31 downto 0) := field_storage.hold_clocks.value.value;
+        end if;
         for i0 in 0 to 2 loop
             if rd_mux_addr = 16#F0# + i0 * 16#4# then
                 readback_data_var(31 downto 0) := field_storage.index_period(i0).value.value;

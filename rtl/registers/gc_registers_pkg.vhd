@@ -136,7 +136,7 @@ package gc_registers_pkg is
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_settled_in_t is record
+    type gc_registers_axis_flags_reached_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
@@ -160,16 +160,21 @@ package gc_registers_pkg is
         next_q : std_logic_vector(2 downto 0);
     end record;
 
+    type gc_registers_axis_flags_deviates_in_t is record
+        next_q : std_logic_vector(2 downto 0);
+    end record;
+
     type gc_registers_axis_flags_in_t is record
         clamped : gc_registers_axis_flags_clamped_in_t;
         saturated : gc_registers_axis_flags_saturated_in_t;
         limited : gc_registers_axis_flags_limited_in_t;
-        settled : gc_registers_axis_flags_settled_in_t;
+        reached : gc_registers_axis_flags_reached_in_t;
         referenced : gc_registers_axis_flags_referenced_in_t;
         illegal : gc_registers_axis_flags_illegal_in_t;
         glitch : gc_registers_axis_flags_glitch_in_t;
         speed_valid : gc_registers_axis_flags_speed_valid_in_t;
         speed_zero : gc_registers_axis_flags_speed_zero_in_t;
+        deviates : gc_registers_axis_flags_deviates_in_t;
     end record;
 
     type gc_registers_positionx_value_in_t is record
@@ -227,7 +232,7 @@ package gc_registers_pkg is
     type gc_registers_position_nowx_in_t_array is array(natural range <>) of gc_registers_position_nowx_in_t;
 
     type gc_registers_cause_value_in_t is record
-        next_q : std_logic_vector(9 downto 0);
+        next_q : std_logic_vector(11 downto 0);
     end record;
 
     type gc_registers_cause_in_t is record
@@ -278,6 +283,14 @@ package gc_registers_pkg is
         next_q : std_logic;
     end record;
 
+    type gc_registers_fault_command_in_t is record
+        next_q : std_logic;
+    end record;
+
+    type gc_registers_fault_hold_in_t is record
+        next_q : std_logic;
+    end record;
+
     type gc_registers_fault_in_t is record
         clear : gc_registers_fault_clear_in_t;
         estop : gc_registers_fault_estop_in_t;
@@ -290,10 +303,12 @@ package gc_registers_pkg is
         watchdog : gc_registers_fault_watchdog_in_t;
         result : gc_registers_fault_result_in_t;
         unreferenced : gc_registers_fault_unreferenced_in_t;
+        command : gc_registers_fault_command_in_t;
+        hold : gc_registers_fault_hold_in_t;
     end record;
 
     type gc_registers_first_cause_value_in_t is record
-        next_q : std_logic_vector(9 downto 0);
+        next_q : std_logic_vector(11 downto 0);
     end record;
 
     type gc_registers_first_cause_in_t is record
@@ -553,6 +568,30 @@ package gc_registers_pkg is
     end record;
     type gc_registers_window_highx_out_t_array is array(natural range <>) of gc_registers_window_highx_out_t;
 
+    type gc_registers_command_bound_ua_value_out_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_command_bound_ua_out_t is record
+        value : gc_registers_command_bound_ua_value_out_t;
+    end record;
+
+    type gc_registers_command_clocks_value_out_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_command_clocks_out_t is record
+        value : gc_registers_command_clocks_value_out_t;
+    end record;
+
+    type gc_registers_hold_clocks_value_out_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_hold_clocks_out_t is record
+        value : gc_registers_hold_clocks_value_out_t;
+    end record;
+
     type gc_registers_index_periodx_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -563,7 +602,7 @@ package gc_registers_pkg is
     type gc_registers_index_periodx_out_t_array is array(natural range <>) of gc_registers_index_periodx_out_t;
 
     type gc_registers_fault_clear_out_t is record
-        value : std_logic_vector(9 downto 0);
+        value : std_logic_vector(11 downto 0);
     end record;
 
     type gc_registers_fault_out_t is record
@@ -632,6 +671,9 @@ package gc_registers_pkg is
         brake_clocks : gc_registers_brake_clocks_out_t;
         window_low : gc_registers_window_lowx_out_t_array(0 to 2);
         window_high : gc_registers_window_highx_out_t_array(0 to 2);
+        command_bound_ua : gc_registers_command_bound_ua_out_t;
+        command_clocks : gc_registers_command_clocks_out_t;
+        hold_clocks : gc_registers_hold_clocks_out_t;
         index_period : gc_registers_index_periodx_out_t_array(0 to 2);
         fault : gc_registers_fault_out_t;
         interrupt_status : gc_registers_interrupt_status_out_t;

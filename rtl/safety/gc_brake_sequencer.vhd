@@ -7,8 +7,8 @@
 --   RUN       brakes released, command active
 --   FAULT     brakes engaged, command zero       until clear without a fault
 --
--- The motors take the load before the brakes let it go: HOLDING leads to RUN once the command has been settled, with
--- enable high, for more than cfg_brake_clocks. A low enable leads back: brakes engage at once, and the command goes to
+-- The motors take the load before the brakes let it go: HOLDING leads to RUN once they have carried it, with enable
+-- high, for more than cfg_brake_clocks. A low enable leads back: brakes engage at once, and the command goes to
 -- zero when they have had as many clocks to close.
 -- A level of enable that was high at reset, or that rose while unhealthy, braked or not, starts nothing: only its next
 -- rising edge does. Motion never resumes by itself.
@@ -35,8 +35,8 @@ entity gc_brake_sequencer is
     in_fault         : in    std_ulogic;
     -- Nothing speaks against motion.
     in_healthy       : in    std_ulogic;
-    -- The command of every axis is the one asked for.
-    in_settled       : in    std_ulogic;
+    -- The motor of every axis carries the load.
+    in_carried       : in    std_ulogic;
     -- Time for a brake to close and for the motors to take the load, clocks.
     cfg_brake_clocks : in    unsigned(31 downto 0);
     state            : out   safety_state_t := state_braked_c;
@@ -56,7 +56,7 @@ architecture rtl of gc_brake_sequencer is
 
 begin
 
-  restart <= '1' when state /= state_holding_c or enable /= enable_1 or (enable = '1' and in_settled = '0') else '0';
+  restart <= '1' when state /= state_holding_c or enable /= enable_1 or (enable = '1' and in_carried = '0') else '0';
 
   i_hold : entity work.gc_timeout
     port map (

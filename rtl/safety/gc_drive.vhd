@@ -4,8 +4,10 @@
 --
 --   target = in_current clipped to +- cfg_limit
 --   out_current := out_current + (target - out_current clipped to +- cfg_slew)      once per result
+--   out_reached  = the command is in_current, neither limited nor ramping, and no clipped force is behind it
+--   out_deviates = abs(in_current - out_current) > cfg_bound, exactly
 --
--- Formats: 32 bits, uA -> 32 bits, uA. Latency: 6 clocks from in_valid to out_valid and out_current.
+-- Formats: 32 bits, uA -> 32 bits, uA. Latency: 6 clocks from in_valid to out_valid and out_current, 8 to out_deviates.
 -- A result is taken every sixth clock at most; one that comes sooner is dropped.
 -- run = '0': the command is zero one clock later, without a ramp. When run rises, the command ramps from zero.
 -- cfg_* is sampled one clock before a result is taken. A limit that is lowered is reached by the slew, too.
@@ -21,26 +23,32 @@ library work;
 
 entity gc_drive is
   port (
-    clk         : in    std_ulogic;
+    clk          : in    std_ulogic;
     -- Synchronous, active high; commands to zero.
-    rst         : in    std_ulogic;
+    rst          : in    std_ulogic;
     -- '0': commands to zero.
-    run         : in    std_ulogic;
-    in_valid    : in    std_ulogic;
+    run          : in    std_ulogic;
+    in_valid     : in    std_ulogic;
     -- Currents asked for, uA, axis 1 lowest.
-    in_current  : in    signed(outputs_c * current_bits_c - 1 downto 0);
+    in_current   : in    signed(outputs_c * current_bits_c - 1 downto 0);
+    -- The current is not what the robot takes to be held: its force is saturated, or comes from a clamped count.
+    in_clipped   : in    std_ulogic_vector(outputs_c - 1 downto 0);
     -- Largest magnitude, uA, of every axis.
-    cfg_limit   : in    unsigned(current_bits_c - 2 downto 0);
+    cfg_limit    : in    unsigned(current_bits_c - 2 downto 0);
     -- Largest change per result, uA, of every axis; 0 keeps the command where it is.
-    cfg_slew    : in    unsigned(current_bits_c - 2 downto 0);
+    cfg_slew     : in    unsigned(current_bits_c - 2 downto 0);
+    -- Largest distance of a command from the current asked for that is no deviation, uA.
+    cfg_bound    : in    unsigned(current_bits_c - 2 downto 0);
     -- One clock per result taken.
-    out_valid   : out   std_ulogic := '0';
+    out_valid    : out   std_ulogic := '0';
     -- Commands, uA, axis 1 lowest; hold until the next result.
-    out_current : out   signed(outputs_c * current_bits_c - 1 downto 0) := (others => '0');
+    out_current  : out   signed(outputs_c * current_bits_c - 1 downto 0) := (others => '0');
     -- The magnitude of the last result was clipped.
-    out_limited : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0');
-    -- The command is the target; '0' while it ramps, and from run = '0' to the first result.
-    out_settled : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0')
+    out_limited  : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0');
+    -- The motor carries the load: the command is the whole current of the last result; '0' from run = '0' to the first.
+    out_reached  : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0');
+    -- The motor is far from carrying it; '0' from run = '0' to the first result.
+    out_deviates : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0')
   );
 end entity gc_drive;
 
@@ -50,11 +58,14 @@ architecture rtl of gc_drive is
 
   -- Bit k: a result is in stage k.
   signal valid   : std_ulogic_vector(1 to 5) := (others => '0');
+  signal valid_7 : std_ulogic := '0';
   signal taken   : std_ulogic;
   signal ceiling : signed(bits_c - 1 downto 0) := (others => '0');
   signal floor   : signed(bits_c - 1 downto 0) := (others => '0');
   signal rise    : signed(bits_c - 1 downto 0) := (others => '0');
   signal fall    : signed(bits_c - 1 downto 0) := (others => '0');
+  signal above   : signed(bits_c - 1 downto 0) := (others => '0');
+  signal below   : signed(bits_c - 1 downto 0) := (others => '0');
 
 begin
 
@@ -71,6 +82,8 @@ begin
         rise <= signed('0' & cfg_slew);
         fall <= -signed('0' & cfg_slew);
       end if;
+      above <= signed('0' & cfg_bound);
+      below <= -signed('0' & cfg_bound);
     end if;
 
   end process p_limits;
@@ -81,24 +94,28 @@ begin
     if rising_edge(clk) then
       valid <= taken & valid(1 to 4);
       out_valid <= valid(5);
+      valid_7 <= out_valid;
       if run = '0' or rst = '1' then
         valid <= (others => '0');
         out_valid <= '0';
+        valid_7 <= '0';
       end if;
     end if;
 
   end process p_valid;
 
   g_axis : for i in 0 to outputs_c - 1 generate
-    signal asked_1  : signed(bits_c - 1 downto 0) := (others => '0');
-    signal above_1  : std_ulogic := '0';
-    signal below_1  : std_ulogic := '0';
-    signal target_2 : signed(bits_c - 1 downto 0) := (others => '0');
-    signal gap_3    : signed(bits_c downto 0) := (others => '0');
-    signal above_4  : std_ulogic := '0';
-    signal below_4  : std_ulogic := '0';
-    signal step_5   : signed(bits_c - 1 downto 0) := (others => '0');
-    signal command  : signed(bits_c - 1 downto 0) := (others => '0');
+    signal asked_1   : signed(bits_c - 1 downto 0) := (others => '0');
+    signal clipped_1 : std_ulogic := '0';
+    signal above_1   : std_ulogic := '0';
+    signal below_1   : std_ulogic := '0';
+    signal target_2  : signed(bits_c - 1 downto 0) := (others => '0');
+    signal gap_3     : signed(bits_c downto 0) := (others => '0');
+    signal above_4   : std_ulogic := '0';
+    signal below_4   : std_ulogic := '0';
+    signal step_5    : signed(bits_c - 1 downto 0) := (others => '0');
+    signal command   : signed(bits_c - 1 downto 0) := (others => '0');
+    signal miss_7    : signed(bits_c downto 0) := (others => '0');
   begin
 
     p_drive : process (clk) is
@@ -112,6 +129,7 @@ begin
         current_v := in_current((i + 1) * bits_c - 1 downto i * bits_c);
         if taken = '1' then
           asked_1 <= current_v;
+          clipped_1 <= in_clipped(i);
           above_1 <= '0';
           if current_v > ceiling then
             above_1 <= '1';
@@ -155,12 +173,25 @@ begin
         if valid(5) = '1' then
           command <= command + step_5;
           out_limited(i) <= above_1 or below_1;
-          out_settled(i) <= not (above_4 or below_4);
+          out_reached(i) <= not (above_1 or below_1 or above_4 or below_4 or clipped_1);
         end if;
+
+        -- stage 7: what the command misses, before the next result is asked for; one bit wider than its terms
+        miss_7 <= resize(asked_1, bits_c + 1) - command;
+
+        -- stage 8: compare with the bound
+        if valid_7 = '1' then
+          out_deviates(i) <= '0';
+          if miss_7 > above or miss_7 < below then
+            out_deviates(i) <= '1';
+          end if;
+        end if;
+
         if run = '0' or rst = '1' then
           command <= (others => '0');
           out_limited(i) <= '0';
-          out_settled(i) <= '0';
+          out_reached(i) <= '0';
+          out_deviates(i) <= '0';
         end if;
       end if;
 

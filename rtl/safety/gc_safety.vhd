@@ -5,12 +5,14 @@
 --
 -- Brakes are released, and the command is active, only after a rising enable while no cause is present: referenced,
 -- healthy, emergency stop released. States: see gc_brake_sequencer; causes and reactions: docs/guide/safety.md.
+-- The brakes are released only after the motors have carried the load, and engaged when a command deviates from what
+-- carries it; no limit of magnitude or slew hides that. HOLDING has a time-out.
 -- estop, encoder, crc and rom are faults in every state. The others are while the command is active, and in FAULT;
 -- while braked they are normal (before homing, without a host) and keep the brakes engaged.
 -- A cause that came stays a fault until it is cleared; clear while it lasts does not help. FAULT is left, to BRAKED,
 -- when the last one is cleared.
 -- Latency: from a cause at the inputs to brake_release = run = '0': 2 clocks; from pin estop_n: sync_stages_g + 1; from
--- the last kick or result: the limit and 3 clocks; so from the first clock of saturation.
+-- the last kick or result: the limit and 3 clocks; so from the first clock of saturation, deviation or HOLDING.
 -- After reset an emergency stop is assumed until estop_n is known.
 -- The input of an open pin must read '0': pull it down.
 
@@ -50,8 +52,9 @@ entity gc_safety is
     in_result             : in    std_ulogic;
     in_clamped            : in    std_ulogic_vector(inputs_c - 1 downto 0);
     in_saturated          : in    std_ulogic_vector(outputs_c - 1 downto 0);
-    -- The command of the axis is the one asked for.
-    in_settled            : in    std_ulogic_vector(outputs_c - 1 downto 0);
+    -- The command of the axis is the whole current asked for; it is too far from that (gc_drive).
+    in_reached            : in    std_ulogic_vector(outputs_c - 1 downto 0);
+    in_deviates           : in    std_ulogic_vector(outputs_c - 1 downto 0);
     -- Levels: an image was refused, the ROM in use is not the one expected.
     in_crc_bad            : in    std_ulogic;
     in_rom_bad            : in    std_ulogic;
@@ -64,6 +67,9 @@ entity gc_safety is
     cfg_saturation_clocks : in    unsigned(31 downto 0);
     cfg_watchdog_clocks   : in    unsigned(31 downto 0);
     cfg_result_clocks     : in    unsigned(31 downto 0);
+    -- Longest time that a command may deviate while brakes are released, and that HOLDING may take; clocks.
+    cfg_command_clocks    : in    unsigned(31 downto 0);
+    cfg_hold_clocks       : in    unsigned(31 downto 0);
     -- Time for a brake to close and for the motors to take the load, clocks.
     cfg_brake_clocks      : in    unsigned(31 downto 0);
     -- '0': command to zero.
@@ -92,6 +98,10 @@ architecture rtl of gc_safety is
   signal saturation_1  : std_ulogic;
   signal watchdog_1    : std_ulogic;
   signal result_1      : std_ulogic;
+  signal not_deviating : std_ulogic;
+  signal command_1     : std_ulogic;
+  signal not_holding   : std_ulogic;
+  signal hold_1        : std_ulogic;
   signal period_limit  : signed(31 downto 0) := still_c;
   signal period_floor  : signed(31 downto 0) := -still_c;
   signal flags_1       : causes_t := no_causes_c;
@@ -101,7 +111,7 @@ architecture rtl of gc_safety is
   signal fault         : causes_t;
   signal any_fault     : std_ulogic;
   signal cleared       : std_ulogic;
-  signal settled       : std_ulogic;
+  signal carried       : std_ulogic;
   signal released      : std_ulogic;
 
 begin
@@ -149,6 +159,30 @@ begin
       restart    => in_result,
       cfg_clocks => cfg_result_clocks,
       expired    => result_1,
+      upset      => open
+    );
+
+  not_deviating <= '1' when unsigned(in_deviates) = 0 or released = '0' else '0';
+
+  i_command : entity work.gc_timeout
+    port map (
+      clk        => clk,
+      rst        => rst,
+      restart    => not_deviating,
+      cfg_clocks => cfg_command_clocks,
+      expired    => command_1,
+      upset      => open
+    );
+
+  not_holding <= '0' when sts_state = state_holding_c and enable = '1' else '1';
+
+  i_hold : entity work.gc_timeout
+    port map (
+      clk        => clk,
+      rst        => rst,
+      restart    => not_holding,
+      cfg_clocks => cfg_hold_clocks,
+      expired    => hold_1,
       upset      => open
     );
 
@@ -215,6 +249,9 @@ begin
     present(cause_saturation_c) <= saturation_1;
     present(cause_watchdog_c) <= watchdog_1;
     present(cause_result_c) <= result_1;
+    present(cause_command_c) <= command_1;
+    -- Not if the brakes were released at the last moment: they would be engaged again.
+    present(cause_hold_c) <= hold_1 and not released;
 
   end process p_present;
 
@@ -236,7 +273,7 @@ begin
       first_count => sts_first_count
     );
 
-  settled <= '1' when signed(in_settled) = -1 else '0';
+  carried <= '1' when signed(in_reached) = -1 else '0';
 
   i_sequencer : entity work.gc_brake_sequencer
     port map (
@@ -246,7 +283,7 @@ begin
       clear            => cleared,
       in_fault         => any_fault,
       in_healthy       => healthy,
-      in_settled       => settled,
+      in_carried       => carried,
       cfg_brake_clocks => cfg_brake_clocks,
       state            => sts_state,
       run              => run,

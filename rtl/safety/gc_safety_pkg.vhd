@@ -17,7 +17,7 @@ package gc_safety_pkg is
   constant state_fault_c   : safety_state_t := "110";
 
   -- Causes, bit by bit; docs/guide/safety.md says when each is present.
-  constant causes_c           : positive := 10;
+  constant causes_c           : positive := 12;
   constant cause_estop_c      : natural  := 0;
   constant cause_encoder_c    : natural  := 1;
   constant cause_crc_c        : natural  := 2;
@@ -28,6 +28,8 @@ package gc_safety_pkg is
   constant cause_watchdog_c   : natural  := 7;
   constant cause_result_c     : natural  := 8;
   constant cause_reference_c  : natural  := 9;
+  constant cause_command_c    : natural  := 10;
+  constant cause_hold_c       : natural  := 11;
 
   subtype causes_t is std_ulogic_vector(causes_c - 1 downto 0);
 

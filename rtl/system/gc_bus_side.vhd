@@ -235,6 +235,9 @@ begin
   out_settings.watchdog_clocks <= regs_out.watchdog_clocks.value.value;
   out_settings.result_clocks <= regs_out.result_clocks.value.value;
   out_settings.brake_clocks <= regs_out.brake_clocks.value.value;
+  out_settings.command_bound <= regs_out.command_bound_ua.value.value;
+  out_settings.command_clocks <= regs_out.command_clocks.value.value;
+  out_settings.hold_clocks <= regs_out.hold_clocks.value.value;
 
   -- State
 
@@ -260,7 +263,8 @@ begin
   regs_in.axis_flags.clamped.next_q <= in_state.clamped;
   regs_in.axis_flags.saturated.next_q <= in_state.saturated;
   regs_in.axis_flags.limited.next_q <= in_state.limited;
-  regs_in.axis_flags.settled.next_q <= in_state.settled;
+  regs_in.axis_flags.reached.next_q <= in_state.reached;
+  regs_in.axis_flags.deviates.next_q <= in_state.deviates;
   regs_in.axis_flags.referenced.next_q <= in_state.referenced;
   regs_in.axis_flags.illegal.next_q <= in_state.illegal;
   regs_in.axis_flags.glitch.next_q <= in_state.glitch;
@@ -279,6 +283,8 @@ begin
   regs_in.fault.watchdog.next_q <= in_state.fault(cause_watchdog_c);
   regs_in.fault.result.next_q <= in_state.fault(cause_result_c);
   regs_in.fault.unreferenced.next_q <= in_state.fault(cause_reference_c);
+  regs_in.fault.command.next_q <= in_state.fault(cause_command_c);
+  regs_in.fault.hold.next_q <= in_state.fault(cause_hold_c);
 
   -- One word per axis.
 

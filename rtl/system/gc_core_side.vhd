@@ -84,6 +84,7 @@ architecture rtl of gc_core_side is
   signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
   signal clamped       : axes_t;
   signal saturated     : axes_t;
+  signal clipped       : axes_t;
   signal count         : signed(inputs_c * count_bits_c - 1 downto 0);
   signal period        : signed(inputs_c * 32 - 1 downto 0);
   signal speed_valid   : axes_t;
@@ -102,7 +103,8 @@ architecture rtl of gc_core_side is
   signal released     : axes_t;
   signal command      : signed(outputs_c * current_bits_c - 1 downto 0);
   signal limited      : axes_t;
-  signal settled      : axes_t;
+  signal reached      : axes_t;
+  signal deviates     : axes_t;
   signal load_bad     : std_ulogic;
   signal load_waiting : std_ulogic;
   signal bank         : std_ulogic_vector(1 downto 0);
@@ -224,19 +226,25 @@ begin
 
   end process p_results;
 
+  -- Every force comes from all counts.
+  clipped <= (others => '1') when clamped /= (clamped'range => '0') else saturated;
+
   i_drive : entity work.gc_drive
     port map (
-      clk         => clk,
-      rst         => rst,
-      run         => run,
-      in_valid    => path_valid,
-      in_current  => current,
-      cfg_limit   => unsigned(in_settings.current_limit),
-      cfg_slew    => unsigned(in_settings.current_slew),
-      out_valid   => drive_valid,
-      out_current => command,
-      out_limited => limited,
-      out_settled => settled
+      clk          => clk,
+      rst          => rst,
+      run          => run,
+      in_valid     => path_valid,
+      in_current   => current,
+      in_clipped   => clipped,
+      cfg_limit    => unsigned(in_settings.current_limit),
+      cfg_slew     => unsigned(in_settings.current_slew),
+      cfg_bound    => unsigned(in_settings.command_bound),
+      out_valid    => drive_valid,
+      out_current  => command,
+      out_limited  => limited,
+      out_reached  => reached,
+      out_deviates => deviates
     );
 
   i_safety : entity work.gc_safety
@@ -257,7 +265,8 @@ begin
       in_result             => path_valid,
       in_clamped            => clamped,
       in_saturated          => saturated,
-      in_settled            => settled,
+      in_reached            => reached,
+      in_deviates           => deviates,
       in_crc_bad            => load_bad,
       in_rom_bad            => rom_bad,
       cfg_count_low         => window_low,
@@ -266,6 +275,8 @@ begin
       cfg_saturation_clocks => unsigned(in_settings.saturation_clocks),
       cfg_watchdog_clocks   => unsigned(in_settings.watchdog_clocks),
       cfg_result_clocks     => unsigned(in_settings.result_clocks),
+      cfg_command_clocks    => unsigned(in_settings.command_clocks),
+      cfg_hold_clocks       => unsigned(in_settings.hold_clocks),
       cfg_brake_clocks      => unsigned(in_settings.brake_clocks),
       run                   => run,
       brake_release         => released,
@@ -307,7 +318,8 @@ begin
   out_state.clamped <= clamped;
   out_state.saturated <= saturated;
   out_state.limited <= limited;
-  out_state.settled <= settled;
+  out_state.reached <= reached;
+  out_state.deviates <= deviates;
   out_state.referenced <= referenced;
   out_state.illegal <= illegal;
   out_state.glitch <= glitch;

@@ -60,6 +60,9 @@ package gc_system_pkg is
     watchdog_clocks   : word_t;
     result_clocks     : word_t;
     brake_clocks      : word_t;
+    command_bound     : magnitude_t;
+    command_clocks    : word_t;
+    hold_clocks       : word_t;
     index_position    : axis_words_t;
     index_period      : axis_words_t;
     window_low        : axis_words_t;
@@ -79,7 +82,8 @@ package gc_system_pkg is
     clamped        : axes_t;
     saturated      : axes_t;
     limited        : axes_t;
-    settled        : axes_t;
+    reached        : axes_t;
+    deviates       : axes_t;
     referenced     : axes_t;
     illegal        : axes_t;
     glitch         : axes_t;
@@ -109,11 +113,11 @@ package gc_system_pkg is
   subtype load_word_t is std_ulogic_vector(32 + 4 - 1 downto 0);
 
   subtype settings_word_t is std_ulogic_vector(
-    2 + axes_c + 6 * 32 + 3 * 31 + 4 * 32 * axes_c + 3 + causes_c - 1 downto 0
+    2 + axes_c + 8 * 32 + 4 * 31 + 4 * 32 * axes_c + 3 + causes_c - 1 downto 0
   );
 
   subtype state_word_t is std_ulogic_vector(
-    3 * 32 + safety_state_t'length + 8 + 11 * axes_c + 7 * 32 * axes_c + 3 * causes_c - 1 downto 0
+    3 * 32 + safety_state_t'length + 8 + 12 * axes_c + 7 * 32 * axes_c + 3 * causes_c - 1 downto 0
   );
 
   function "or" (
@@ -292,6 +296,9 @@ package body gc_system_pkg is
     put(word_v, settings.watchdog_clocks);
     put(word_v, settings.result_clocks);
     put(word_v, settings.brake_clocks);
+    put(word_v, settings.command_bound);
+    put(word_v, settings.command_clocks);
+    put(word_v, settings.hold_clocks);
     put(word_v, settings.index_position);
     put(word_v, settings.index_period);
     put(word_v, settings.window_low);
@@ -322,7 +329,8 @@ package body gc_system_pkg is
     put(word_v, state.clamped);
     put(word_v, state.saturated);
     put(word_v, state.limited);
-    put(word_v, state.settled);
+    put(word_v, state.reached);
+    put(word_v, state.deviates);
     put(word_v, state.referenced);
     put(word_v, state.illegal);
     put(word_v, state.glitch);
@@ -392,6 +400,9 @@ package body gc_system_pkg is
     take(left_v, fields_v.watchdog_clocks);
     take(left_v, fields_v.result_clocks);
     take(left_v, fields_v.brake_clocks);
+    take(left_v, fields_v.command_bound);
+    take(left_v, fields_v.command_clocks);
+    take(left_v, fields_v.hold_clocks);
     take(left_v, fields_v.index_position);
     take(left_v, fields_v.index_period);
     take(left_v, fields_v.window_low);
@@ -424,7 +435,8 @@ package body gc_system_pkg is
     take(left_v, fields_v.clamped);
     take(left_v, fields_v.saturated);
     take(left_v, fields_v.limited);
-    take(left_v, fields_v.settled);
+    take(left_v, fields_v.reached);
+    take(left_v, fields_v.deviates);
     take(left_v, fields_v.referenced);
     take(left_v, fields_v.illegal);
     take(left_v, fields_v.glitch);

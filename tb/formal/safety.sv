@@ -4,7 +4,7 @@ module safety (
     input rst,
     input estop_n,
     input enable,
-    input [9:0] clear,
+    input [11:0] clear,
     input kick,
     input [95:0] in_count,
     input [95:0] in_period,
@@ -13,7 +13,8 @@ module safety (
     input in_result,
     input [2:0] in_clamped,
     input [2:0] in_saturated,
-    input [2:0] in_settled,
+    input [2:0] in_reached,
+    input [2:0] in_deviates,
     input in_crc_bad,
     input in_rom_bad,
     input [95:0] cfg_count_low,
@@ -22,6 +23,8 @@ module safety (
     input [31:0] cfg_saturation_clocks,
     input [31:0] cfg_watchdog_clocks,
     input [31:0] cfg_result_clocks,
+    input [31:0] cfg_command_clocks,
+    input [31:0] cfg_hold_clocks,
     input [31:0] cfg_brake_clocks
 );
 
@@ -29,16 +32,17 @@ module safety (
 
   wire run;
   wire [2:0] brake_release, state;
-  wire [9:0] present, fault, first_cause;
+  wire [11:0] present, fault, first_cause;
   wire [95:0] first_count;
 
   gc_safety dut (
       .clk(clk), .rst(rst), .estop_n(estop_n), .enable(enable), .clear(clear), .kick(kick), .in_count(in_count),
       .in_period(in_period), .in_referenced(in_referenced), .in_illegal(in_illegal), .in_result(in_result),
-      .in_clamped(in_clamped), .in_saturated(in_saturated), .in_settled(in_settled), .in_crc_bad(in_crc_bad),
-      .in_rom_bad(in_rom_bad), .cfg_count_low(cfg_count_low), .cfg_count_high(cfg_count_high),
+      .in_clamped(in_clamped), .in_saturated(in_saturated), .in_reached(in_reached), .in_deviates(in_deviates),
+      .in_crc_bad(in_crc_bad), .in_rom_bad(in_rom_bad), .cfg_count_low(cfg_count_low), .cfg_count_high(cfg_count_high),
       .cfg_period_min(cfg_period_min), .cfg_saturation_clocks(cfg_saturation_clocks),
       .cfg_watchdog_clocks(cfg_watchdog_clocks), .cfg_result_clocks(cfg_result_clocks),
+      .cfg_command_clocks(cfg_command_clocks), .cfg_hold_clocks(cfg_hold_clocks),
       .cfg_brake_clocks(cfg_brake_clocks), .run(run), .brake_release(brake_release), .sts_state(state),
       .sts_present(present), .sts_fault(fault), .sts_first_cause(first_cause), .sts_first_count(first_count)
   );
@@ -48,7 +52,7 @@ module safety (
   reg [1:3] estop_n_then = 0;
   reg [1:2] illegal_then = 0, unreferenced_then = 0;
   reg [2:0] state_1 = BRAKED, brake_release_1 = 0;
-  reg [9:0] clear_1 = 0, present_1 = 0, fault_1 = 0, first_cause_1 = 0;
+  reg [11:0] clear_1 = 0, present_1 = 0, fault_1 = 0, first_cause_1 = 0;
   reg [95:0] first_count_1;
 
   // Speed limit: 0 allows none, and what is less than can be measured means the lowest of that.
@@ -57,11 +61,28 @@ module safety (
   wire signed [31:0] limit = cfg_period_min == 0 ? 32'h7fff_ffff : cfg_period_min <= 8 ? 9 : cfg_period_min;
   wire signed [31:0] period_1 = in_period[31:0], period_2 = in_period[63:32], period_3 = in_period[95:64];
 
+  // Clocks without a break, up to a limit, in which the motors carried the load (or the brakes closed), a command deviated,
+  // HOLDING lasted; and in the clock before, whether they were more than the limit.
+  wire carries = state == HOLDING && enable == enable_1 && (!enable || (&in_reached));
+  wire deviates = brake_release != 0 && in_deviates != 0;
+  wire holds = state == HOLDING && enable;
+  reg [31:0] carried = 0, deviated = 0, held = 0;
+  reg carries_1 = 0, carried_long_enough = 0, carried_long_enough_1 = 0, deviated_too_long = 0, held_too_long = 0;
+  reg deviated_too_long_1 = 0, held_too_long_1 = 0;
+
   always @(posedge clk) begin
     limit_1 <= limit;
     floor_1 <= -limit;
     speeding_1 <= !rst && (period_1 > floor_1 && period_1 < limit_1 || period_2 > floor_1 && period_2 < limit_1
                            || period_3 > floor_1 && period_3 < limit_1);
+    carries_1 <= carries;
+    carried <= rst || !carries ? 0 : carried + (carried < cfg_brake_clocks);
+    deviated <= rst || !deviates ? 0 : deviated + (deviated < cfg_command_clocks);
+    held <= rst || !holds ? 0 : held + (held < cfg_hold_clocks);
+    carried_long_enough <= !rst && carries && carried >= cfg_brake_clocks;
+    deviated_too_long <= !rst && deviates && deviated >= cfg_command_clocks;
+    held_too_long <= !rst && holds && held >= cfg_hold_clocks;
+    {carried_long_enough_1, deviated_too_long_1, held_too_long_1} <= {carried_long_enough, deviated_too_long, held_too_long};
     rst_1 <= rst;
     clear_1 <= clear;
     run_1 <= run;
@@ -83,6 +104,10 @@ module safety (
     brakes_are_engaged_but_in_run : assert (brake_release == (state == RUN ? 3'b111 : 3'b000));
     command_is_zero_braked_and_in_fault : assert (run == (state == HOLDING || state == RUN));
     brakes_open_after_the_motors_hold : assert (!brake_release || brake_release_1 || state_1 == HOLDING && enable_1);
+    brakes_open_after_the_whole_command_was_reached :
+      assert (!brake_release || brake_release_1 || enable_1 && carries_1 && carried_long_enough_1);
+    lasting_deviation_engages_the_brakes : assert (!deviated_too_long_1 || !brake_release && !run);
+    holding_ends_in_time : assert (!held_too_long_1 || brake_release_1 || !brake_release && !run);
     emergency_stop_engages_the_brakes : assert (estop_n_then[3] || !brake_release && !run);
     lost_counts_engage_the_brakes : assert (!illegal_then[2] || !brake_release && !run);
     lost_reference_engages_the_brakes : assert (!unreferenced_then[2] || !brake_release && !run);

@@ -15,7 +15,7 @@ from gravcomp.twin.encoder import DecoderConfig
 AXES = 3
 CONTROL_POLLS = 1000
 WORD_MAX = 2**32 - 1
-PERIOD_MAX = 2**31 - 1
+PERIOD_MAX = MAGNITUDE_MAX = 2**31 - 1
 LOAD_KEY = 0x4B455953
 WORDS_PER_KICK = 64
 
@@ -33,6 +33,7 @@ class Result(IntEnum):
 
     TOO_FAST: Settings.speed_max_counts_per_s is more than the core can measure with its encoder filter. BAD_PERIOD:
     Settings.index_period is not a multiple of 4.
+    UNUSABLE: settings with which the brakes can never be released, see complaint.
     """
 
     OK = 0
@@ -44,6 +45,7 @@ class Result(IntEnum):
     NOT_LOADABLE = 6
     TOO_FAST = 7
     BAD_PERIOD = 8
+    UNUSABLE = 9
 
 
 class Brakes(IntEnum):
@@ -86,7 +88,8 @@ class Settings:
 
     index_period: counts from index to index, 0 where there is one. speed_max_counts_per_s: 0 allows no motion.
     margin_counts: allowed beyond the trained range. current_slew_ua: per result. brake_us: for a brake to close and for
-    the motors to take the load. The other times are the longest in saturation, from kick to kick and result to result.
+    the motors to take the load. The other times are the longest in saturation, from kick to kick and result to result,
+    with a command further than command_bound_ua from the current asked for, and until the motors have taken the load.
     """
 
     expected_weights: int
@@ -101,6 +104,9 @@ class Settings:
     watchdog_us: int
     result_us: int
     brake_us: int
+    command_bound_ua: int
+    command_us: int
+    hold_us: int
 
 
 @dataclass(frozen=True)
@@ -116,12 +122,13 @@ class State:
     clamped: int
     saturated: int
     limited: int
-    settled: int
+    reached: int
     referenced: int
     illegal: int
     glitch: int
     speed_valid: int
     speed_zero: int
+    deviates: int
     position: tuple[int, ...]
     speed_period: tuple[int, ...]
     force_mn: tuple[int, ...]
@@ -161,19 +168,44 @@ class Host:
             trained_high=self._axes("trained_high"),
         )
 
+    def complaint(self, identity: Identity, settings: Settings) -> str | None:
+        hz, limit, slew = identity.clock_hz, settings.current_limit_ua, settings.current_slew_ua
+        for name in ("current_limit_ua", "current_slew_ua", "command_bound_ua"):
+            if getattr(settings, name) > MAGNITUDE_MAX:
+                return f"{name}: above 2147483647"
+        if limit == 0:
+            return "current_limit_ua: 0 carries no load"
+        if slew == 0:
+            return "current_slew_ua: 0 never reaches current_limit_ua"
+        if self._is_too_fast(identity, settings):
+            return "speed_max_counts_per_s: more than the core can measure with its encoder filter"
+        if any(period % 4 for period in settings.index_period):
+            return "index_period: not a multiple of 4"
+        results = (limit + slew - 1) // slew + 1
+        ramp = results * _clocks(hz, settings.tick_us) + _clocks(hz, settings.brake_us)
+        if ramp > _clocks(hz, settings.hold_us):
+            return "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us"
+        return None
+
+    def _is_too_fast(self, identity: Identity, settings: Settings) -> bool:
+        shortest = DecoderConfig(filter_samples=identity.filter_samples).shortest_period
+        return settings.speed_max_counts_per_s > 0 and _period_min(identity, settings) <= shortest
+
     def configure(self, identity: Identity, settings: Settings) -> Result:
-        hz, speed = identity.clock_hz, settings.speed_max_counts_per_s
-        period_min = min(4 * hz // speed, PERIOD_MAX) if speed else 0
-        if speed and period_min <= DecoderConfig(filter_samples=identity.filter_samples).shortest_period:
+        if self._is_too_fast(identity, settings):
             return Result.TOO_FAST
         if any(period % 4 for period in settings.index_period):
             return Result.BAD_PERIOD
+        if self.complaint(identity, settings):
+            return Result.UNUSABLE
+        hz = identity.clock_hz
         self._write("expected_weights", settings.expected_weights)
         self._write("tick_clocks", _clocks(hz, settings.tick_us))
         self._write("current_limit_ua", settings.current_limit_ua)
         self._write("current_slew_ua", settings.current_slew_ua)
-        self._write("period_min_clocks", period_min)
-        for name in ("saturation", "watchdog", "result", "brake"):
+        self._write("period_min_clocks", _period_min(identity, settings))
+        self._write("command_bound_ua", settings.command_bound_ua)
+        for name in ("saturation", "watchdog", "result", "brake", "command", "hold"):
             self._write(f"{name}_clocks", _clocks(hz, getattr(settings, f"{name}_us")))
         for axis in range(AXES):
             self._write("index_position", settings.index_position[axis], axis)
@@ -325,6 +357,11 @@ class Host:
         self._read("result_number")
         status = self._read("status")
         return self._map["status"].field("state", status), self._read("cause")
+
+
+def _period_min(identity: Identity, settings: Settings) -> int:
+    speed = settings.speed_max_counts_per_s
+    return min(4 * identity.clock_hz // speed, PERIOD_MAX) if speed else 0
 
 
 def _clocks(hz: int, us: int) -> int:

@@ -13,28 +13,56 @@ LATENCY = 6  # clocks from in_valid to out_valid, and the fewest between two res
 def drive(inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """gc_drive: its outputs by port name, from all its inputs but clk by port name.
 
-    in_current and out_current (clocks, axes), uA, int64; out_limited and out_settled (clocks, axes); others (clocks,).
+    in_current and out_current (clocks, axes), uA, int64; in_clipped, out_limited, out_reached and out_deviates
+    (clocks, axes); others (clocks,).
     """
     asked_ua = inputs["in_current"]
-    out = {name: np.zeros_like(asked_ua) for name in ("out_current", "out_limited", "out_settled")}
+    names = ("out_current", "out_limited", "out_reached", "out_deviates")
+    out = {name: np.zeros_like(asked_ua) for name in names}
     out["out_valid"] = np.zeros(len(asked_ua), np.int64)
-    valid = [False] * (LATENCY - 1)
-    command, step, limited, settled, out_limited, out_settled = np.zeros((6, asked_ua.shape[1]), np.int64)
-    limit, slew = 0, 0
+    state = _Drive(asked_ua.shape[1])
     for k in range(len(asked_ua) - 1):
-        is_taken, is_new = inputs["in_valid"][k] and not any(valid), valid[-1]
-        if is_new:
-            command, out_limited, out_settled = command + step, limited, settled
-        if is_taken:
-            target = np.clip(asked_ua[k], -limit, limit)
-            step = np.clip(target - command, -slew, slew)
-            limited, settled = target != asked_ua[k], step == target - command
-        elif not any(valid[:-1]):
-            limit, slew = inputs["cfg_limit"][k], inputs["cfg_slew"][k]
-        valid = [is_taken, *valid[:-1]]
-        if inputs["rst"][k] or not inputs["run"][k]:
-            valid, is_new = [False] * len(valid), False
-            command, out_limited, out_settled = np.zeros((3, asked_ua.shape[1]), np.int64)
-        out["out_valid"][k + 1], out["out_current"][k + 1] = is_new, command
-        out["out_limited"][k + 1], out["out_settled"][k + 1] = out_limited, out_settled
+        state.clock({name: values[k] for name, values in inputs.items()})
+        out["out_valid"][k + 1], out["out_current"][k + 1] = state.is_new, state.command
+        out["out_limited"][k + 1], out["out_reached"][k + 1] = state.out_limited, state.out_reached
+        out["out_deviates"][k + 1] = state.out_deviates
     return out
+
+
+class _Drive:
+    """A clock at a time: command, whether it is new, and its flags."""
+
+    def __init__(self, n_axes: int) -> None:
+        self._limit = self._slew = self._bound = 0
+        self._asked = self._step = self._limited = self._reached = np.zeros(n_axes, np.int64)
+        self._stop()
+
+    def _stop(self) -> None:
+        zero = np.zeros_like(self._asked)
+        self._valid, self.is_new, self._was_new = [False] * (LATENCY - 1), False, False
+        self.command, self.out_limited, self.out_reached, self.out_deviates, self._miss = zero, zero, zero, zero, zero
+
+    def clock(self, inputs: Mapping[str, np.ndarray]) -> None:
+        """One rising edge, at which the inputs have these values."""
+        if self._was_new:
+            self.out_deviates = np.abs(self._miss) > self._bound
+        self._was_new, self._miss = self.is_new, self._asked - self.command
+        self.is_new = self._valid[-1]
+        is_taken = bool(inputs["in_valid"]) and not any(self._valid)
+        if self.is_new:
+            self.command = self.command + self._step
+            self.out_limited, self.out_reached = self._limited, self._reached
+        if is_taken:
+            self._take(inputs["in_current"], inputs["in_clipped"])
+        elif not any(self._valid[:-1]):
+            self._limit, self._slew = inputs["cfg_limit"], inputs["cfg_slew"]
+        self._bound = inputs["cfg_bound"]
+        self._valid = [is_taken, *self._valid[:-1]]
+        if inputs["rst"] or not inputs["run"]:
+            self._stop()
+
+    def _take(self, asked: np.ndarray, clipped: np.ndarray) -> None:
+        target = np.clip(asked, -self._limit, self._limit)
+        self._asked, self._step = asked, np.clip(target - self.command, -self._slew, self._slew)
+        self._limited = target != asked
+        self._reached = (self.command + self._step == asked) & (clipped == 0)

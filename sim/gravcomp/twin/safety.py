@@ -33,6 +33,8 @@ class Cause(IntEnum):
     WATCHDOG = 7
     RESULT = 8
     REFERENCE = 9
+    COMMAND = 10
+    HOLD = 11
 
     @property
     def mask(self) -> int:
@@ -76,12 +78,14 @@ def safety(
     """
     known, estop_n = synchronizer(inputs["rst"], inputs["estop_n"], sync_stages)
     present = _present(inputs, period_shortest) | (known & ~estop_n & 1) << Cause.ESTOP
-    healthy = (present == 0) & (known == 1)
     names = ("run", "brake_release", "sts_state", "sts_fault", "sts_first_cause")
     out = {name: np.zeros_like(present) for name in names} | {"sts_present": present}
     out["sts_first_count"] = np.zeros_like(inputs["in_count"])
     sequencer, latch, count_1 = Sequencer(), FaultLatch(), np.zeros_like(inputs["in_count"][0])
+    load = _Load()
     for k in range(len(present) - 1):
+        present[k] |= load.present(sequencer.state)
+        load.clock({name: values[k] for name, values in inputs.items()}, sequencer.state)
         fault = int(present[k]) & (ALWAYS if sequencer.state == State.BRAKED else ~0)
         clear = int(inputs["clear"][k])
         cleared = clear != 0 and not latch.causes & ~clear
@@ -91,8 +95,8 @@ def safety(
             int(inputs["enable"][k]),
             cleared,
             fault != 0,
-            bool(healthy[k]),
-            bool(inputs["in_settled"][k].all()),
+            present[k] == 0 and known[k] == 1,
+            bool(inputs["in_reached"][k].all()),
             int(inputs["cfg_brake_clocks"][k]),
         )
         count_1 = inputs["in_count"][k]
@@ -101,11 +105,30 @@ def safety(
         out["brake_release"][k + 1] = sequencer.state == State.RUN
         out["sts_fault"][k + 1], out["sts_first_cause"][k + 1] = latch.causes, latch.first_cause
         out["sts_first_count"][k + 1] = latch.first_count
+    present[-1] |= load.present(sequencer.state)
     return out
 
 
+class _Load:
+    """Whether the motors carry the load, a clock at a time: the causes that depend on the state."""
+
+    def __init__(self) -> None:
+        self._command, self._hold = Timeout(), Timeout()
+
+    def present(self, state: State) -> int:
+        hold = self._hold.expired and state != State.RUN
+        return self._command.expired << Cause.COMMAND | hold << Cause.HOLD
+
+    def clock(self, inputs: Mapping[str, np.ndarray], state: State) -> None:
+        """One rising edge, at which the inputs and the state have these values."""
+        deviates = state == State.RUN and inputs["in_deviates"].any()
+        holds = state == State.HOLDING and inputs["enable"]
+        self._command.clock(bool(inputs["rst"] or not deviates), int(inputs["cfg_command_clocks"]))
+        self._hold.clock(bool(inputs["rst"] or not holds), int(inputs["cfg_hold_clocks"]))
+
+
 def _present(inputs: Mapping[str, np.ndarray], period_shortest: int) -> np.ndarray:
-    """All causes but the emergency stop, one clock after they are at the inputs."""
+    """All causes but the emergency stop and those of the load, one clock after they are at the inputs."""
     rst = inputs["rst"] != 0
     count, period = inputs["in_count"], inputs["in_period"]
     period_min = np.concatenate(([0], inputs["cfg_period_min"][:-1]))
@@ -136,10 +159,10 @@ class Sequencer:
         self.state, self._last_enable, self._hold = State.BRAKED, 1, Timeout()
 
     def clock(
-        self, rst: bool, enable: int, clear: bool, fault: bool, healthy: bool, settled: bool, brake_clocks: int
+        self, rst: bool, enable: int, clear: bool, fault: bool, healthy: bool, reached: bool, brake_clocks: int
     ) -> None:
         """One rising edge, at which the inputs have these values."""
-        restart = self.state != State.HOLDING or enable != self._last_enable or (enable == 1 and not settled)
+        restart = self.state != State.HOLDING or enable != self._last_enable or (enable == 1 and not reached)
         following = self.state
         if self.state == State.BRAKED and enable > self._last_enable and healthy:
             following = State.HOLDING

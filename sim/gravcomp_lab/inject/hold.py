@@ -81,6 +81,9 @@ def settings(identity, index: Sequence[int]) -> Settings:
         watchdog_us=250,
         result_us=50,
         brake_us=10,
+        command_bound_ua=10_000,
+        command_us=50,
+        hold_us=110 * TICK_US,
     )
 
 
