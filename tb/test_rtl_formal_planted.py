@@ -125,6 +125,32 @@ PLANTED = [
         ("        out_force <= (others => '0');\n", "", "reset_takes_the_command_to_zero"),
         ("sts_count <= count;", "sts_count <= not count;", "reset_clears_the_status"),
     ]),
+    ("drive", "gc_drive", [
+        ("below_1 <= '1';", "below_1 <= '0';", "stages_hold_what_they_should"),
+        ("command <= command + step_5;", "command <= command + step_5 + 1;", "command_moves_by_the_slew_at_most"),
+        ("above_1 or below_1 or above_4", "above_1 or above_4", "reached_is_the_whole_current"),
+        ("out_limited(i) <= above_1 or below_1;", "out_limited(i) <= above_1;", "clipped_currents_are_flagged"),
+        ("          out_deviates(i) <= '0';\n        end if;\n      end if;", "        end if;\n      end if;",
+         "stop_is_zero_one_clock_later"),
+        ("out_valid <= valid(5);", "out_valid <= valid(4);", "results_pass_through"),
+    ]),
+    ("drive", "gc_drive", [
+        ("ceiling <= signed('0' & cfg_limit);", "ceiling <= signed('0' & cfg_limit) + 1;",
+         "limits_are_those_of_the_result"),
+        ("step_5 <= rise;", "step_5 <= gap_3(bits_c - 1 downto 0);", "command_moves_by_the_slew_at_most"),
+        ("if miss_7 > above or", "if miss_7 >= above or", "deviation_is_a_distance_beyond_the_bound"),
+    ]),
+    ("drive", "gc_drive", [
+        ("command <= command + step_5;", "command <= command - step_5;",
+         "command_stays_between_its_last_value_and_the_target"),
+    ]),
+    ("drive", "gc_drive", [
+        ("        if valid(5) = '1' then\n          command", "        if valid(4) = '1' then\n          command",
+         "command_and_flags_hold_between_results"),
+    ]),
+    ("drive", "gc_drive", [
+        ("target_2 <= ceiling;", "target_2 <= asked_1;", "command_never_leaves_the_limits_given"),
+    ]),
     ("tick", "gc_tick", [
         ("elapsed >= cfg_clocks", "elapsed > cfg_clocks", "none_left_out"),
         ("out_valid = '1' and in_ready = '0'", "in_ready = '0'", "missed_ticks_are_counted"),
@@ -173,8 +199,10 @@ PLANTED = [
     ]),
     ("loader", "gc_loader", [
         ("write <= (others => '0');\n      if", "if", "nothing_else_is_written"),
-        ("bad <= not is_right;", "bad <= '0';", "others_are_refused"),
         ("kept(scalar_bits_c - 1 downto 0)", "kept(scalar_bits_c downto 1)", "scalars_are_the_last_words"),
+    ]),
+    ("loader", "gc_loader", [
+        ("bad <= not is_right;", "bad <= '0';", "others_are_refused"),
         ("        crc <= crc_step(crc, load_word);\n", "      end if;\n      if load_valid = '1' then\n"
          "        crc <= crc_step(crc, load_word);\n      end if;\n      if takes = '1' then\n",
          "crc_is_of_the_words_taken"),

@@ -36,6 +36,17 @@ a request that was taken, of its kind, held unchanged until the master takes it;
 way; and each request answered within three clocks in which the master takes responses of either kind, which is liveness
 as a bound. Nothing of gc_bus_side is abstracted.
 
+`crossing_pulse` and `crossing_bus` leave both clocks free: each is an input, whose edges fall in any order, together or
+never, as often as they like. A synchroniser that samples a level while it changes takes the old or the new one; so it
+does here, by the order of the edges.
+
+`speed_meter` runs with a time-out of five clocks, so that its clock has few values; only widths of counters depend on
+it. `friction` cuts both tables, so that any value may come out of them, and its product, which lies between its bounds.
+PDR did not end within five minutes for `loader` (an image has some 6000 words), `bank_switch` (615 bits of constants),
+`friction` and `drive` (32-bit sums): their assertions say what each register holds, too, and are inductive together,
+one clock from the one before; those of `friction` over the length of its pipeline. `drive` is proven axis by axis: all
+three at once took the solver more than three minutes. That the CRC of `loader` is that of zlib is left to simulation.
+
 `tb/test_rtl_formal_equivalence.py` proves the netlist equal to the RTL, by Yosys' `equiv_induct`, for the entities
 that it names: that of Yosys' gates and that of ECP5's LUT4, CCU2C, PFUMX, L6MUX21 and TRELLIS_FF, with Yosys' models of
 them. It pairs signals by name, each pair equal as long as all pairs were; values at power-up are not compared. Left
@@ -60,7 +71,8 @@ def run(arguments):
         verdict = verify(claim, arguments.rtl, arguments.checkers, arguments.out)
         seconds = _processor_s() - began
         all_hold, total_s = all_hold and verdict.holds, total_s + seconds
-        generics = ", ".join(f"{name} = {value}" for name, value in claim.generics.items())
+        settings = {**claim.generics, **({} if claim.axis is None else {"axis": claim.axis + 1})}
+        generics = ", ".join(f"{name} = {value}" for name, value in settings.items())
         names = ", ".join(sorted({*verdict.proven, *verdict.broken, *verdict.open}))
         faults = [f"{name} broken after {clocks} clocks" for name, clocks in verdict.broken.items()]
         faults += [f"{name} open" for name in verdict.open]

@@ -72,6 +72,7 @@ CLAIMS = (
     Claim("brake_permit", "gc_brake_permit"),
     Claim("brake_test", "gc_brake_test"),
     Claim("brake_feedback", "gc_brake_feedback"),
+    *(Claim("drive", "gc_drive", axis=axis, induction=1) for axis in range(3)),
     Claim("tick", "gc_tick"),
     Claim("speed_meter", "gc_speed_meter", {"timeout_g": 5}, {"TIMEOUT": 5, "BITS": 5}),
     *(Claim("crossing_pulse", "gc_crossing_pulse", {"stages_g": n}, {"STAGES": n}, free_clocks=True) for n in (2, 3)),

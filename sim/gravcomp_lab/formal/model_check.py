@@ -107,7 +107,12 @@ def induct(
         log = _abc(f"{read}; bmc3 -F {clocks + 1} -T 60", out / "bmc.log")
         if "No output asserted" in log:
             return Verdict(tuple(names), {}, ())
-    broken = _broken(names, _abc(f"{read}; pdr -a -T 10", out / "pdr.log"))
+    broken = {}
+    for k, name in enumerate(names):
+        # Each by itself: ABC dies of some graphs when it shall break several in one run.
+        log = _abc(f"{read}; cone -O {k}; bmc3 -F {clocks + 11} -T 10", out / "bmc.log")
+        if found := re.search(r"was (?:trivially )?asserted in frame +(\d+)", log):
+            broken[name] = int(found[1]) + 1
     return Verdict((), broken, tuple(name for name in names if name not in broken))
 
 
