@@ -125,6 +125,10 @@ module safety (
     first_cause_is_of_the_clock_that_led_to_fault :
       assert (state != FAULT || state_1 == FAULT || first_cause == fault);
     first_cause_is_there_with_a_fault : assert ((first_cause != 0) == (fault != 0));
+    // Cells that no test of causes in states can reach; tb/test_rtl_safety_cells.py reaches all others.
+    command_is_absent_in_braked : assert (!present[10] || state != BRAKED);
+    hold_is_absent_in_braked : assert (!present[11] || state != BRAKED);
+    hold_is_absent_in_run : assert (!present[11] || state != RUN);
     first_is_kept :
       assert (rst_1 || state != FAULT || state_1 != FAULT || first_cause == first_cause_1 && first_count == first_count_1);
   end
