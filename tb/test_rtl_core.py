@@ -52,7 +52,7 @@ async def back_to_back(dut):
     counts = draw_counts(40 * min(lanes, 5), np.random.default_rng(10))
     await start(dut)
     began = time.perf_counter()
-    got = await stream(dut, inputs_of(counts), OUTPUTS)
+    got = await stream(dut, inputs_of(counts), OUTPUTS, has_ready=True)
     clocks_per_s = (got.valid[-1] + 1) / (time.perf_counter() - began)
     assert_equal_to_model(got, counts)
     assert set(np.diff(got.accepted)) == {steps}
@@ -72,7 +72,7 @@ async def random_gaps(dut):
     rng = np.random.default_rng(11)
     counts = draw_counts(60, rng)
     await start(dut)
-    got = await stream(dut, inputs_of(counts), OUTPUTS, gap_probability=0.9, rng=rng)
+    got = await stream(dut, inputs_of(counts), OUTPUTS, gap_probability=0.9, rng=rng, has_ready=True)
     assert_equal_to_model(got, counts)
     assert len(set(np.diff(got.accepted))) > 3, "the gaps did not vary"
 
@@ -108,7 +108,7 @@ async def reset_in_mid_stream(dut):
         assert dut.in_ready.value == 1
         dut.rst.value = 0
         counts = draw_counts(3, rng)
-        got = await stream(dut, inputs_of(counts), OUTPUTS)
+        got = await stream(dut, inputs_of(counts), OUTPUTS, has_ready=True)
         assert_equal_to_model(got, counts)
 
 

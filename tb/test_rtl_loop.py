@@ -51,7 +51,7 @@ async def held_out_samples(dut):
     n = fixed.n_axes
     await start(dut)
     inputs = [{"in_count": pack(c, COUNT_BITS), "in_period": pack(p, 32)} for c, p in zip(counts, periods, strict=True)]
-    got = await stream(dut, inputs, ["out_force"])
+    got = await stream(dut, inputs, ["out_force"], has_ready=True)
     force_mn = unpack(got.outputs["out_force"], FORCE_BITS, n)
     network_mn = bittrue.core(counts, fixed).force_mn
     np.testing.assert_array_equal(force_mn, compensator(network_mn, counts, periods, fixed_compensation())[0])
