@@ -24,7 +24,7 @@ sim: setup ## the main job: robot poses through the encoder pins of the VHDL und
 formal: setup ## what is proven about the hardware, for every input and without a bound; docs/measured/formal.md says how
 	@$(LAB) formal --docs docs/measured
 
-mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each? Two hours; docs/measured/mutation.md
+mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each? Only what changed; docs/measured/mutation.md
 	@$(LAB) mutate --docs docs/measured
 
 inject: setup ## flip single bits in every register and memory of gc_system while it holds a pose; docs/measured/injection.md

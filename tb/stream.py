@@ -42,8 +42,8 @@ async def stream(
     """Offer the inputs in order, spacing or more clocks apart, with random gaps; record flush_clocks beyond the last.
 
     Between inputs the data ports carry other ones of the list, unless holds: nothing may look at them without in_valid.
-    has_ready: the entity has in_ready, which is then honoured; not looked up, because GHDL 5.0.1 dies of looking for a name
-    that some entities lack (grt-avhpi.adb:593). An output clock is one in which out_valid was high, an input clock the
+    has_ready: the entity has in_ready, which is then honoured. It is not looked up: GHDL 5.0.1 can die of looking for
+    a name that is missing (grt-avhpi.adb:593). An output clock is one in which out_valid was high, an input clock the
     one at whose end the entity takes the input.
     """
     recording = Recording(outputs={name: [] for name in outputs})

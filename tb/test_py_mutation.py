@@ -1,12 +1,16 @@
 """The mutation tool: what it plants, that it tells a caught mutant from a survivor, and its table."""
 
+import shutil
+
 import pytest
 
 from gravcomp_lab.mutation import trial
 from gravcomp_lab.mutation.campaign import markdown, plan, reasons
+from gravcomp_lab.mutation.equivalence import proof, write_originals
 from gravcomp_lab.mutation.mutants import Mutant, candidates, draw
 from gravcomp_lab.mutation.trial import (
     CAUGHT,
+    EQUIVALENT,
     INVALID,
     SURVIVED,
     TIMEOUT,
@@ -15,6 +19,7 @@ from gravcomp_lab.mutation.trial import (
     run_tests,
     try_mutant,
 )
+from gravcomp_lab.mutation.verdicts import Verdicts
 from gravcomp_lab.synthesis.verilog import source_of
 from runner import ROOT
 
@@ -78,10 +83,10 @@ def test_draw_depends_on_the_seed_alone():
     assert [share for share, _ in draw(texts, 10, 3).values()] == [5, 5]
 
 
-def test_plan_plants_two_hundred_in_the_vhdl():
-    planned = plan(ROOT, 260, 1)
-    assert sum(min(share, len(order)) for share, order in planned.values()) >= 200
-    assert planned["gc_delay"] == plan(ROOT, 260, 1, ["gc_delay"])["gc_delay"]
+def test_plan_plants_four_hundred_in_the_vhdl():
+    planned = plan(ROOT, 440, 1)
+    assert sum(min(share, len(order)) for share, order in planned.values()) >= 400
+    assert planned["gc_delay"] == plan(ROOT, 440, 1, ["gc_delay"])["gc_delay"]
 
 
 def test_tests_of_an_entity_begin_with_its_own():
@@ -114,10 +119,105 @@ def test_table_explains_a_survivor_by_its_line():
     mutant = in_delay("stages(i) <= stages(i - 01);")
     outcomes = [Outcome(mutant, SURVIVED), Outcome(in_delay("null;"), TIMEOUT)]
     table = markdown(outcomes, {("gc_delay", mutant.good, mutant.bad): "the same number"}, 5)
-    assert "| gc_delay | 2 | 1 | 1 | 1 | 1 |" in table
-    assert "the same number" in table
-    assert "Seed 5; caught: 50.0 %" in table
-    assert "**not explained**" in markdown(outcomes, {}, 5)
+    assert "| gc_delay | 2 | 1 | 1 | 0 | 1 | 1 |" in table
+    assert "| the same number | argued |" in table
+    assert "Seed 5; caught or equivalent: 100.0 %" in table
+    unexplained = markdown(outcomes, {}, 5)
+    assert "**not explained**" in unexplained
+    assert "Seed 5; caught or equivalent: 50.0 %" in unexplained
+    proven = markdown([Outcome(mutant, EQUIVALENT, "the same netlist")], {}, 5)
+    assert "| gc_delay | 1 | 0 | 0 | 1 | 0 | 0 |" in proven
+    assert "| the same netlist | proven |" in proven
+
+
+ENABLED = "if enable = '1' and enable_1 = '0' and in_healthy = '1' then"
+
+
+@pytest.fixture(scope="module")
+def originals(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("originals")
+    write_originals(ROOT / "rtl", folder)
+    return folder
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("entity", "good", "bad", "how"),
+    [
+        ("gc_delay", DELAY, "stages(i) <= stages(i - 01);", "the same netlist"),
+        ("gc_brake_sequencer", ENABLED, "if in_healthy = '1' and enable_1 /= '1' and enable = '1' then", "Yosys: "),
+        ("gc_brake_sequencer", ENABLED, "if enable = '1' and enable_1 = '0' then", ""),
+        ("gc_brake_sequencer", "next_v := state_holding_c;", "null;", ""),
+        ("gc_delay", DELAY, "null;", ""),
+    ],
+    ids=["number", "order", "condition", "assignment", "delay"],
+)
+def test_only_what_changes_nothing_is_proven(originals, entity, good, bad, how, tmp_path):
+    rtl = tmp_path / "rtl"
+    shutil.copytree(ROOT / "rtl", rtl)
+    source = source_of(rtl, entity)
+    source.write_text(mutant_of(entity, good, bad).plant(source.read_text()))
+    found = proof(originals, rtl, entity, tmp_path)
+    assert found.startswith(how)
+    assert bool(found) == bool(how)
+
+
+@pytest.mark.slow
+def test_a_proven_mutant_runs_no_further_test(originals):
+    mutant = in_delay("stages(i) <= stages(i - 01);")
+    outcome = try_mutant(mutant, ROOT, ["test_rtl_delay.py", "no_such_file.py"], 300.0, originals)
+    assert (outcome.result, outcome.test) == (EQUIVALENT, "the same netlist")
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """A tree of its own, and its table of verdicts: one caught by its own test, one that changes nothing."""
+    for folder in ("rtl", "tb"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    caught = Outcome(in_delay("null;"), CAUGHT, "test_rtl_delay.py::test_delay", 3.0)
+    equal = Outcome(in_delay("stages(i) <= stages(i - 01);"), EQUIVALENT, "the same netlist", 9.0)
+    Verdicts(tmp_path / "verdicts.csv", tmp_path).keep([caught, equal])
+    return tmp_path, caught, equal
+
+
+def test_verdicts_are_kept_while_nothing_they_rest_on_changes(tree):
+    root, caught, equal = tree
+    verdicts = Verdicts(root / "verdicts.csv", root)
+    assert [verdicts.known(outcome.mutant) for outcome in (caught, equal)] == [caught, equal]
+    assert verdicts.known(in_delay("stages(i) <= stages(i - 2);")) is None
+    assert verdicts.killers("gc_delay") == ["test_rtl_delay.py"]
+
+
+@pytest.mark.parametrize(
+    ("file", "is_kept"),
+    [
+        ("rtl/common/gc_delay.vhd", (False, False)),
+        ("rtl/common/gc_copy.vhd", (True, True)),
+        ("tb/test_rtl_delay.py", (False, False)),
+        ("tb/test_rtl_core.py", (True, False)),  # gc_core has a gc_delay
+        ("tb/test_rtl_ring.py", (True, True)),
+    ],
+)
+def test_verdicts_fall_with_what_they_rest_on(tree, file, is_kept):
+    root, *outcomes = tree
+    with (root / file).open("a") as text:
+        text.write("\n")
+    verdicts = Verdicts(root / "verdicts.csv", root)
+    assert tuple(verdicts.known(outcome.mutant) is not None for outcome in outcomes) == is_kept
+
+
+def test_verdicts_of_other_entities_stay(tree):
+    root, caught, _ = tree
+    other = Outcome(Mutant("gc_copy", 1, "a", "b", "bit"), CAUGHT, "test_rtl_core.py", 5.0)
+    Verdicts(root / "verdicts.csv", root).keep([other])
+    verdicts = Verdicts(root / "verdicts.csv", root)
+    assert verdicts.known(caught.mutant) == caught
+    assert verdicts.known(other.mutant) == other
+
+
+def test_draw_of_an_entity_does_not_depend_on_others():
+    order = draw({"gc_x": VHDL, "gc_y": VHDL}, 10, 3)["gc_y"][1]
+    assert draw({"gc_w": VHDL * 2, "gc_y": VHDL}, 10, 3)["gc_y"][1] == order
 
 
 def test_reasons_name_lines_of_the_vhdl():

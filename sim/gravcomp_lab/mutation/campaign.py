@@ -1,14 +1,17 @@
 """A campaign over the entities of rtl/: drawn by seed, tried in parallel, told as a table."""
 
+import tempfile
 import tomllib
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from gravcomp.errors import InputError
+from gravcomp_lab.mutation import equivalence
 from gravcomp_lab.mutation.mutants import Mutant, draw
 from gravcomp_lab.mutation.trial import (
     CAUGHT,
+    EQUIVALENT,
     INVALID,
     SURVIVED,
     TIMEOUT,
@@ -17,6 +20,7 @@ from gravcomp_lab.mutation.trial import (
     run_tests,
     try_mutant,
 )
+from gravcomp_lab.mutation.verdicts import Verdicts
 from gravcomp_lab.synthesis.verilog import handwritten_sources
 
 TIMEOUT_S = 900.0
@@ -27,8 +31,11 @@ INTRODUCTION = """\
 Written by `make mutate`. Each mutant is the VHDL with one small fault: an operator, a constant, a bit, a condition, a
 comparison, a width, a sign, or an assignment that is gone. Mutants are drawn by seed; the share of an entity goes with
 the square root of the faults that fit into it; what GHDL does not analyse or elaborate is not counted. The tests in
-which the entity runs follow each other, its own first, those of gc_core and the tops last, then the proofs, until one
-fails. A mutant that hangs is caught by the time limit.
+which the entity runs follow each other, those first that caught its faults before, then its own, those of gc_core and
+the tops last, then the proofs, until one fails. A mutant that hangs is caught by the time limit. One that passes the
+first file is compared with the VHDL as it is, as Verilog of gc_system with 1, 4 and 20 lanes, with and without loading:
+the same netlist, or modules that Yosys proves equal, change nothing, and no further test is run. Verdicts are kept in
+`mutation.csv`; a fault is tried again when its entity, the tests that its verdict rests on, or the tool have changed.
 """
 
 
@@ -56,28 +63,46 @@ def check_baseline(root: Path, entities: Iterable[str], build: Path) -> None:
 
 
 def run(
-    root: Path, planned: dict[str, tuple[int, list[Mutant]]], jobs: int, on_outcome: Callable[[Outcome], None]
+    root: Path,
+    planned: dict[str, tuple[int, list[Mutant]]],
+    jobs: int,
+    verdicts: Verdicts,
+    on_outcome: Callable[[Outcome], None],
 ) -> list[Outcome]:
-    """Try the mutants of each entity until its share compiled; on_outcome sees each one that did."""
-    tests = {entity: relevant_tests(entity, root / "rtl", root / "tb") for entity in planned}
-    outcomes = []
-    with ThreadPoolExecutor(jobs) as pool:
+    """Try the mutants of each entity until its share compiled, but those whose verdict still holds; on_outcome sees
+    each one that compiled. Test files that caught faults of the entity before come first.
+    """
+    tests = {
+        entity: _ordered(relevant_tests(entity, root / "rtl", root / "tb"), verdicts.killers(entity))
+        for entity in planned
+    }
+    outcomes, every = [], []
+    with ThreadPoolExecutor(jobs) as pool, tempfile.TemporaryDirectory(prefix="originals-") as folder:
+        equivalence.write_originals(root / "rtl", Path(folder))
+
+        def outcome_of(mutant: Mutant, entity: str) -> Outcome:
+            return verdicts.known(mutant) or try_mutant(mutant, root, tests[entity], TIMEOUT_S, Path(folder))
 
         def start(entity: str):
-            mutant = planned[entity][1].pop(0)
-            return pool.submit(try_mutant, mutant, root, tests[entity], TIMEOUT_S), entity
+            return pool.submit(outcome_of, planned[entity][1].pop(0), entity), entity
 
         left = {entity: len(order) for entity, (_, order) in planned.items()}
         running = dict(start(entity) for entity, (share, _) in planned.items() for _ in range(min(share, left[entity])))
         while running:
             done = next(as_completed(running))
             entity, outcome = running.pop(done), done.result()
+            every.append(outcome)
             if outcome.result == INVALID:
                 running |= dict([start(entity)] if planned[entity][1] else [])
                 continue
             outcomes.append(outcome)
             on_outcome(outcome)
+            verdicts.keep(every)
     return outcomes
+
+
+def _ordered(files: list[str], first: list[str]) -> list[str]:
+    return [*(file for file in first if file in files), *(file for file in files if file not in first)]
 
 
 def reasons(path: Path) -> dict[tuple[str, str, str], str]:
@@ -90,21 +115,29 @@ def markdown(outcomes: list[Outcome], equivalent: dict[tuple[str, str, str], str
     """Two tables: outcomes by entity, and every survivor with its reason."""
     lines = [
         INTRODUCTION,
-        "| entity | planted | caught | of these by time-out | survived | of these equivalent |",
-        "|---|---|---|---|---|---|",
+        "| entity | planted | caught | of these by time-out | proven equivalent | survived | of these explained |",
+        "|---|---|---|---|---|---|---|",
     ]
     for entity in [*sorted({outcome.mutant.entity for outcome in outcomes}), "all"]:
         of_entity = [o for o in outcomes if entity in (o.mutant.entity, "all")]
-        n = {result: sum(o.result == result for o in of_entity) for result in (CAUGHT, TIMEOUT, SURVIVED)}
+        n = {result: sum(o.result == result for o in of_entity) for result in (CAUGHT, TIMEOUT, SURVIVED, EQUIVALENT)}
         n_known = sum(o.result == SURVIVED and _key(o.mutant) in equivalent for o in of_entity)
         caught = n[CAUGHT] + n[TIMEOUT]
-        lines += [f"| {entity} | {len(of_entity)} | {caught} | {n[TIMEOUT]} | {n[SURVIVED]} | {n_known} |"]
-    survivors = [o.mutant for o in outcomes if o.result == SURVIVED]
-    lines += ["", f"Seed {seed}; caught: {100 * (1 - len(survivors) / max(len(outcomes), 1)):.1f} %."]
-    if survivors:
-        lines += ["", "| survivor | line | became | why nothing changes |", "|---|---|---|---|"]
-    for m in sorted(survivors, key=lambda m: m.name):
-        lines += [f"| {m.entity}:{m.line} | `{m.good}` | `{m.bad}` | {equivalent.get(_key(m), '**not explained**')} |"]
+        counts = len(of_entity), caught, n[TIMEOUT], n[EQUIVALENT], n[SURVIVED], n_known
+        lines += [f"| {entity} | {' | '.join(map(str, counts))} |"]
+    left = sorted((o for o in outcomes if o.result in (SURVIVED, EQUIVALENT)), key=lambda o: o.mutant.name)
+    n_open = sum(o.result == SURVIVED and _key(o.mutant) not in equivalent for o in left)
+    lines += ["", f"Seed {seed}; caught or equivalent: {100 * (1 - n_open / max(len(outcomes), 1)):.1f} %."]
+    if left:
+        lines += [
+            "",
+            "| not caught | line | became | why nothing changes | proven or argued |",
+            "|---|---|---|---|---|",
+        ]
+    for outcome in left:
+        m, argument = outcome.mutant, equivalent.get(_key(outcome.mutant), "**not explained**")
+        why = (outcome.test, "proven") if outcome.result == EQUIVALENT else (argument, "argued")
+        lines += [f"| {m.entity}:{m.line} | `{m.good}` | `{m.bad}` | {why[0]} | {why[1]} |"]
     return "\n".join(lines) + "\n"
 
 

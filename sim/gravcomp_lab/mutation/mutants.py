@@ -76,11 +76,16 @@ def draw(texts: dict[str, str], n_mutants: int, seed: int) -> dict[str, tuple[in
 
     texts: VHDL by entity. The share of an entity goes with the square root of its candidates: small ones count, too.
     """
-    rng = np.random.default_rng(seed)
     every = {entity: found for entity, text in sorted(texts.items()) if (found := candidates(entity, text))}
     root_sum = sum(len(found) ** 0.5 for found in every.values())
     share = {entity: round(n_mutants * len(found) ** 0.5 / root_sum) for entity, found in every.items()}
-    return {entity: (share[entity], [found[k] for k in rng.permutation(len(found))]) for entity, found in every.items()}
+    return {entity: (share[entity], _shuffled(found, entity, seed)) for entity, found in every.items()}
+
+
+def _shuffled(found: list[Mutant], entity: str, seed: int) -> list[Mutant]:
+    """In an order that no other entity's text changes."""
+    rng = np.random.default_rng([seed, *entity.encode()])
+    return [found[k] for k in rng.permutation(len(found))]
 
 
 def _body(text: str) -> list[tuple[int, str]]:

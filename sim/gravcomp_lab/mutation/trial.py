@@ -7,14 +7,17 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from gravcomp_lab.mutation import equivalence
 from gravcomp_lab.mutation.mutants import Mutant
 from gravcomp_lab.synthesis.verilog import handwritten_sources, rtl_sources, source_of
 
 CAUGHT, TIMEOUT, SURVIVED, INVALID = "caught", "time-out", "survived", "does not compile"
+EQUIVALENT = "equivalent"
 # For each of analysis and elaboration, which take a second or two: a loop in a function may have lost its end.
 COMPILE_TIMEOUT_S = 60.0
 # Proofs of the unchanged claims; the faults that these files plant themselves have nothing to do with a mutant.
@@ -33,11 +36,12 @@ LEFT_OUT = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a mutant, and the test that caught it."""
+    """What became of a mutant, the test that caught it or how it is proven to change nothing, and seconds it took."""
 
     mutant: Mutant
     result: str
     test: str = ""
+    seconds: float = 0.0
 
 
 def relevant_tests(entity: str, rtl: Path, tb: Path) -> list[str]:
@@ -55,16 +59,34 @@ def relevant_tests(entity: str, rtl: Path, tb: Path) -> list[str]:
     return [*dict.fromkeys(order), *_PROOFS]
 
 
-def try_mutant(mutant: Mutant, root: Path, tests: list[str], timeout_s: float) -> Outcome:
-    """Plant a mutant in a copy of root's rtl/ and run test files of tb/ on it until one fails."""
+def try_mutant(
+    mutant: Mutant, root: Path, tests: list[str], timeout_s: float, originals: Path | None = None
+) -> Outcome:
+    """Plant a mutant in a copy of root's rtl/ and run test files of tb/ on it until one fails.
+
+    originals: as of equivalence.proof, which is asked once the first file has passed; a proof ends the trial.
+    """
+    start = time.monotonic()
+    result, test = _try(mutant, root, tests, timeout_s, originals)
+    return Outcome(mutant, result, test, round(time.monotonic() - start, 1))
+
+
+def _try(mutant: Mutant, root: Path, tests: list[str], timeout_s: float, originals: Path | None) -> tuple[str, str]:
     with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
         rtl = Path(folder) / "rtl"
         shutil.copytree(root / "rtl", rtl)
         source = source_of(rtl, mutant.entity)
         source.write_text(mutant.plant(source.read_text()))
         if not _compiles(rtl, folder):
-            return Outcome(mutant, INVALID)
-        return Outcome(mutant, *run_tests(root, rtl, Path(folder) / "build", tests, timeout_s))
+            return INVALID, ""
+        build = Path(folder) / "build"
+        if originals:
+            result, test = _run_marked(root, rtl, build, tests[:1], "not slow", timeout_s)
+            if result != SURVIVED:
+                return result, test
+            if how := equivalence.proof(originals, rtl, mutant.entity, Path(folder)):
+                return EQUIVALENT, how
+        return run_tests(root, rtl, build, tests, timeout_s)
 
 
 def run_tests(root: Path, rtl: Path, build: Path, files: Sequence[str], timeout_s: float) -> tuple[str, str]:
@@ -83,7 +105,9 @@ def run_tests(root: Path, rtl: Path, build: Path, files: Sequence[str], timeout_
 def _run_marked(root: Path, rtl: Path, build: Path, files: Sequence[str], marker: str, timeout_s: float):
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", marker]
     command += ["-k", "not planted", *(str(root / "tb" / file) for file in files)]
-    variables = {"GRAVCOMP_RTL": rtl.resolve(), "GRAVCOMP_BUILD": build.resolve(), "PYTHONPATH": root / "sim"}
+    # Neither the tests after a failure nor, within a test, the simulations.
+    variables = {"COCOTB_MAX_FAILURES": 1}
+    variables |= {"GRAVCOMP_RTL": rtl.resolve(), "GRAVCOMP_BUILD": build.resolve(), "PYTHONPATH": root / "sim"}
     environment = {**os.environ, **{name: str(value) for name, value in variables.items()}}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     run = subprocess.Popen(command, cwd=root, env=environment, start_new_session=True, **pipes)

@@ -25,7 +25,7 @@ PRIMITIVES = {"ecp5": ["+/lattice/cells_bb_ecp5.v"], "xilinx": ["+/xilinx/cells_
 _ATTRIBUTES = ["setattr -set keep 1 gc_copy*/t:$dff", "setattr -set no_rw_check 1 gc_bank_ram*/m:*"]
 
 # Yosys ends the process on an error, so it runs in one of its own.
-_RUNNER = """
+RUNNER = """
 import sys
 from pyosys import libyosys
 design = libyosys.Design()
@@ -108,7 +108,7 @@ def run_passes(passes: Sequence[str], log: Path) -> None:
     script = log.with_suffix(".ys")
     script.write_text("\n".join(passes) + "\n")
     with log.open("w") as file:
-        command = [sys.executable, "-c", _RUNNER, script.name]
+        command = [sys.executable, "-c", RUNNER, script.name]
         done = subprocess.run(command, cwd=log.parent, stdout=file, stderr=subprocess.STDOUT, check=False)
     if done.returncode:
         message = next((line for line in reversed(log.read_text().splitlines()) if "ERROR" in line), "no message")

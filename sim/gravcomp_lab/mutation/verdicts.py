@@ -1,0 +1,76 @@
+"""What became of each fault, kept in a table: a fault is tried again only when what its verdict rests on has changed.
+
+A verdict rests on the entity's file, on the test that caught the fault, or on all tests that did not, and on the tool.
+"""
+
+import csv
+import hashlib
+import io
+from collections.abc import Iterable
+from pathlib import Path
+
+from gravcomp.files import write_atomically
+from gravcomp_lab.mutation.mutants import Mutant
+from gravcomp_lab.mutation.trial import CAUGHT, Outcome, relevant_tests
+from gravcomp_lab.synthesis.verilog import source_of
+
+_COLUMNS = ("entity", "line", "kind", "good", "bad", "result", "test", "seconds", "key")
+_TOOL = ("mutants.py", "trial.py", "equivalence.py")
+
+
+class Verdicts:
+    """The table in a CSV file, for the tree in root. Files that a key covers are read once."""
+
+    def __init__(self, path: Path, root: Path):
+        self._path, self._root, self._digests = path, root, {}
+        lines = list(csv.DictReader(path.read_text().splitlines())) if path.exists() else []
+        self._kept = {self._name(line): line for line in lines}
+
+    def known(self, mutant: Mutant) -> Outcome | None:
+        """The verdict on a fault, when nothing that it rests on has changed."""
+        line = self._kept.get((mutant.entity, str(mutant.line), mutant.good, mutant.bad))
+        outcome = line and Outcome(mutant, line["result"], line["test"], float(line["seconds"]))
+        return outcome if outcome and line["key"] == self._key(outcome) else None
+
+    def killers(self, entity: str) -> list[str]:
+        """Test files that caught faults of the entity, the quickest first."""
+        took: dict[str, list[float]] = {}
+        for line in self._kept.values():
+            if line["entity"] == entity and line["result"] == CAUGHT:
+                took.setdefault(_file(line["test"]), []).append(float(line["seconds"]))
+        return sorted(took, key=lambda file: (-len(took[file]), sum(took[file])))
+
+    def keep(self, outcomes: Iterable[Outcome]) -> None:
+        """Write the table with these verdicts, and no others of their entities."""
+        outcomes = list(outcomes)
+        entities = {outcome.mutant.entity for outcome in outcomes}
+        lines = [line for line in self._kept.values() if line["entity"] not in entities]
+        for outcome in outcomes:
+            m = outcome.mutant
+            values = m.entity, m.line, m.kind, m.good, m.bad, outcome.result, outcome.test, outcome.seconds
+            lines.append(dict(zip(_COLUMNS, (*map(str, values), self._key(outcome)), strict=True)))
+        text = io.StringIO()
+        writer = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(sorted(lines, key=lambda line: (line["entity"], int(line["line"]), line["bad"])))
+        write_atomically(self._path, text.getvalue())
+
+    def _key(self, outcome: Outcome) -> str:
+        root, entity = self._root, outcome.mutant.entity
+        tests = [_file(outcome.test)] if outcome.result == CAUGHT else relevant_tests(entity, root / "rtl", root / "tb")
+        files = [source_of(root / "rtl", entity), *(root / "tb" / test for test in tests)]
+        files += [Path(__file__).with_name(name) for name in _TOOL]
+        return hashlib.sha256("".join(self._digest(file) for file in files).encode()).hexdigest()[:16]
+
+    def _digest(self, file: Path) -> str:
+        if file not in self._digests:
+            self._digests[file] = hashlib.sha256(file.read_bytes() if file.is_file() else b"").hexdigest()
+        return self._digests[file]
+
+    @staticmethod
+    def _name(line: dict[str, str]) -> tuple[str, str, str, str]:
+        return line["entity"], line["line"], line["good"], line["bad"]
+
+
+def _file(test: str) -> str:
+    return test.partition("::")[0]
