@@ -21,7 +21,17 @@ from gravcomp.diagnosis.gram import Gram
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.noise import Noise, model_free
 from gravcomp.diagnosis.rules import Choice, alternatives, choose
-from gravcomp.diagnosis.thresholds import HUBER, MAD_TO_SIGMA, REFINE_SAMPLES, ROUNDS, SAME_COLUMN, SEARCH_SAMPLES, TINY
+from gravcomp.diagnosis.thresholds import (
+    AS_MUCH,
+    CLEARLY_LESS,
+    HUBER,
+    MAD_TO_SIGMA,
+    REFINE_SAMPLES,
+    ROUNDS,
+    SAME_COLUMN,
+    SEARCH_SAMPLES,
+    TINY,
+)
 from gravcomp.diagnosis.withdrawal import confirmed
 from gravcomp.logs.measurement import Measurement
 
@@ -58,19 +68,16 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
     tick = progress or (lambda what: None)
     model, left_aside = model.applicable_to(data)
     checked = sensors.check(model.corrected(data))
-    lacking = model.predict(checked.data)
-    written = checked.data.force - checked.data.nominal - lacking
-    data, of_sensors = _as_right_sensors_write(checked.data)
-    before = data.force - data.nominal - lacking
-    blocks = split.block_labels(data, seed)
-    is_test = split.held_out(data, blocks, seed, holdout)
+    written = checked.data.force - checked.data.nominal - model.predict(checked.data)
+    blocks = split.block_labels(checked.data, seed)
+    is_test = split.held_out(checked.data, blocks, seed, holdout)
     train = np.flatnonzero(~is_test)
-    rows = train[np.linspace(0, len(train) - 1, min(len(train), SEARCH_SAMPLES)).astype(int)]
-    tick("effects")
-    found = _search(data, before, rows, model.parameters, tick)
-    tick("fit")
-    fit = _fit(data, before, train, blocks, found, model.parameters)
-    after = before - fit.predict(data)
+    attempts = [
+        _attempt(read, of_sensors, model, train, blocks, tick)
+        for read, of_sensors in _as_right_sensors_write(checked.data)
+    ]
+    data, of_sensors, before, found, fit, after = vars(_best(attempts, train)).values()
+    rows = _search_rows(train)
     left_out = np.zeros(after.shape, bool)
     for side in (train, np.flatnonzero(is_test)):
         left_out[side] = outliers.gross(data, after[side] - _hidden(data, after[side]), side)
@@ -105,17 +112,66 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
     )
 
 
-def _as_right_sensors_write(data: Measurement) -> tuple[Measurement, list[Entry]]:
-    """The log without the effects of sensors that it shows by itself, and these."""
-    found = []
-    for effect in (kind() for kind in EFFECTS):
+@dataclass(frozen=True)
+class _Attempt:
+    """One reading of the log and what was found in it; errors (n, k)."""
+
+    data: Measurement
+    of_sensors: list[Entry]
+    before: np.ndarray
+    found: "_Found"
+    fit: Fit
+    after: np.ndarray
+
+
+def _search_rows(train: np.ndarray) -> np.ndarray:
+    return train[np.linspace(0, len(train) - 1, min(len(train), SEARCH_SAMPLES)).astype(int)]
+
+
+def _attempt(data: Measurement, of_sensors: list[Entry], model: Model, train, blocks, tick) -> _Attempt:
+    before = data.force - data.nominal - model.predict(data)
+    tick("effects")
+    found = _search(data, before, _search_rows(train), model.parameters, tick)
+    tick("fit")
+    fit = _fit(data, before, train, blocks, found, model.parameters)
+    return _Attempt(data, of_sensors, before, found, fit, before - fit.predict(data))
+
+
+def _best(attempts: list[_Attempt], train: np.ndarray) -> _Attempt:
+    """The plain reading, unless another leaves clearly less, or no more with fewer terms."""
+    plain, *others = attempts
+    use = ~plain.data.is_undecided[train]
+
+    def left(attempt):
+        own = attempt.after[train]
+        return float(np.sqrt(np.mean(own[use & ~outliers.gross(attempt.data, own, train)] ** 2)))
+
+    for other in others:
+        n_terms = len(other.fit.entries) + len(other.of_sensors) - len(plain.of_sensors)
+        is_less = left(other) < CLEARLY_LESS * left(plain)
+        if is_less or (left(other) < AS_MUCH * left(plain) and n_terms < len(plain.fit.entries)):
+            return other
+    return plain
+
+
+def _as_right_sensors_write(data: Measurement) -> list[tuple[Measurement, list[Entry]]]:
+    """Readings of the log without the effects of sensors that it shows by itself, and these.
+
+    The first has only those that no effect of the machine could show.
+    """
+    found, doubtful = [], []
+    for effect in sorted((kind() for kind in EFFECTS), key=lambda effect: not effect.is_certain):
         seen = effect.seen_in(data)
         if seen:
             parameters = {name: value for name, (value, _) in seen.items()}
-            data = effect.corrected(data, parameters)
             intervals = {name: (value - half, value + half) for name, (value, half) in seen.items()}
-            found.append(Entry(Term(effect, tuple(parameters)), parameters, intervals, 0.0))
-    return data, found
+            entry = Entry(Term(effect, tuple(parameters)), parameters, intervals, 0.0)
+            if effect.is_certain:
+                data = effect.corrected(data, parameters)
+                found.append(entry)
+            else:
+                doubtful.append((effect.corrected(data, parameters), entry))
+    return [(data, found)] + [(read, [*found, entry]) for read, entry in doubtful]
 
 
 def _shares_of_sensors(entries: list[Entry], use: np.ndarray, written: np.ndarray, before: np.ndarray) -> dict:

@@ -34,6 +34,9 @@ LEAK = 0.9  # correlation of the deviation from a place with the effort; 0.999 o
 SIGN_GAIN = (-1.5, -0.67)  # effort over model: nearer -1 than any other reading
 TWO_VALUED = 4.5  # inner deviations between two means: 2.7 for a Gaussian, 3.5 for an even spread
 
+CLEARLY_LESS = 0.85  # of what the plain reading of a log leaves: another reading of it is the right one; tuned
+AS_MUCH = 1.05  # of it: as good with fewer terms; tuned
+
 # The noise that no model made, and what the remainder may be
 NOISE_SAMPLES = 24  # differences: their deviation is known to 15 %
 NEIGHBOUR_FAR = 0.35  # of the range: farther neighbours differ by more than noise

@@ -56,6 +56,8 @@ class Effect(Candidate):
         """
         return {}
 
+    is_certain = True  # of an effect of a sensor: no effect of the machine could show the same
+
     def corrected(self, data: Measurement, parameters: Mapping[str, float]) -> Measurement:
         """Of an effect of a sensor: the log as a right sensor would have written it."""
         return data

@@ -15,7 +15,6 @@ class LinkCompliance(Effect):
     hardware = "network"
     units = {"c": "[q]/[f]"}  # noqa: RUF012
     per_axis = False
-    positive = ("c",)
     complexity = 2.0
 
     unavailable = staticmethod(needs_function)

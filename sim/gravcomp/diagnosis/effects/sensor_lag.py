@@ -25,6 +25,7 @@ class SensorLag(Effect):
     equation = "f(t - tau) - f(t), f the true effort"
     hardware = "none"
     units = {"tau": "s"}  # noqa: RUF012
+    is_certain = False  # play and presliding are late, too
 
     def unavailable(self, data):
         return "" if data.has_velocity and data.is_motion.mean() > 0.8 else "no motion along time"
@@ -52,19 +53,25 @@ class SensorLag(Effect):
         return {Parameter("tau_s"): (common, float(1.96 / np.sqrt(np.sum(1.0 / error**2))))}
 
     def corrected(self, data, parameters):
-        """The effort tau earlier; where a reversal has not settled the direction is not sure."""
+        """The effort beside the pose of tau before; where a reversal has not settled the direction is not sure."""
         tau = parameters.get("tau_s", 0.0)
         if not tau:
             return data
-        force, unsure = data.force.copy(), np.zeros(data.shape, bool)
-        for run in np.unique(data.runs):
-            rows = np.flatnonzero(data.runs == run)
-            for i in range(data.n_axes):
-                force[rows, i] = np.interp(data.t_s[rows] + tau, data.t_s[rows], data.force[rows, i])
-        if data.has_velocity:
-            wide = int(np.ceil(_SETTLED * tau / usual_step(data.t_s, data.runs)))
-            unsure = _near_reversal(data, wide)
-        return replace(data, force=force, unsure=unsure)
+        q, v, nominal = (None if x is None else x.copy() for x in (data.q, data.v, data.nominal))
+        for rows in (np.flatnonzero(data.runs == run) for run in np.unique(data.runs)):
+            for x in (x for x in (q, v, nominal) if x is not None):
+                x[rows] = _at(data.t_s[rows] - tau, data.t_s[rows], x[rows])
+        late = replace(data, q=q, v=v, nominal=nominal)
+        if v is None:
+            return late
+        started = data.t_s[np.flatnonzero(data.is_first)][np.cumsum(data.is_first) - 1]
+        before = (data.t_s - started < tau)[:, None]  # what came before the log is in no row
+        wide = int(np.ceil(_SETTLED * tau / usual_step(data.t_s, data.runs)))
+        return replace(late, unsure=_near_reversal(late, wide) | before)
+
+
+def _at(when: np.ndarray, t_s: np.ndarray, x: np.ndarray) -> np.ndarray:
+    return np.column_stack([np.interp(when, t_s, column) for column in x.T])
 
 
 def _near_reversal(data: Measurement, wide: int) -> np.ndarray:
