@@ -38,6 +38,7 @@ async def still_runs(board: Board) -> None:
     await board.wait_for_state("run")
     assert await board.registers.read("cause") == 0
     assert await board.registers.read_axes("position_now") == board.position
+    await board.clocks(1)
 
 
 @cocotb.test()
@@ -84,6 +85,7 @@ async def a_dropped_level_that_costs_counts_is_lost_counts(dut):
         await board.clocks(3)
     await still_runs(board)
     assert await board.registers.field("axis_flags", "glitch") == 1 << AXIS
+    await board.clocks(1)
     await board.move(AXIS, 8)
     for clocks in (1, 2, 10, 10):
         await board.move(AXIS, 1, clocks)

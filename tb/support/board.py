@@ -53,7 +53,6 @@ class Board(System):
 
     async def move(self, axis: int, counts: int, clocks: int = MOTION_CLOCKS) -> int:
         """Move an axis, clocks per count, as long as its brake is released; returns the counts that it went."""
-        await self.clocks(1)  # an access ends at the other edge: the first level would be too short
         for k in range(abs(counts)):
             if not self.is_released():
                 return k
@@ -91,3 +90,4 @@ class Board(System):
         await self.wait_for_state("run")
         assert self.is_released()
         assert await self.registers.read("fault") == 0
+        await self.clocks(1)  # an access ends at the other edge: the first level would be too short
