@@ -4,8 +4,8 @@ import shutil
 
 import pytest
 
-from gravcomp_lab.mutation import trial
-from gravcomp_lab.mutation.campaign import markdown, plan, reasons
+from gravcomp_lab.mutation import campaign, trial
+from gravcomp_lab.mutation.campaign import markdown, plan, reasons, to_try
 from gravcomp_lab.mutation.equivalence import proof, write_originals
 from gravcomp_lab.mutation.mutants import Mutant, candidates, draw
 from gravcomp_lab.mutation.trial import (
@@ -204,6 +204,29 @@ def test_verdicts_fall_with_what_they_rest_on(tree, file, is_kept):
         text.write("\n")
     verdicts = Verdicts(root / "verdicts.csv", root)
     assert tuple(verdicts.known(outcome.mutant) is not None for outcome in outcomes) == is_kept
+
+
+def test_only_entities_with_an_unknown_verdict_are_tried(tree):
+    root, caught, equal = tree
+    verdicts = Verdicts(root / "verdicts.csv", root)
+    invalid = Outcome(in_delay("stages(i) <= stages;"), INVALID)
+    new = in_delay("stages(i) <= stages(i - 2);")
+    assert to_try({"gc_delay": (2, [caught.mutant, equal.mutant, new])}, verdicts) == []
+    assert to_try({"gc_delay": (2, [caught.mutant, new, equal.mutant])}, verdicts) == ["gc_delay"]
+    verdicts.keep([caught, equal, invalid])
+    verdicts = Verdicts(root / "verdicts.csv", root)
+    assert to_try({"gc_delay": (2, [invalid.mutant, caught.mutant, equal.mutant])}, verdicts) == []
+    assert to_try({"gc_delay": (3, [invalid.mutant, caught.mutant, equal.mutant, new])}, verdicts) == ["gc_delay"]
+
+
+def test_a_run_of_known_verdicts_tries_nothing(tree, monkeypatch):
+    root, caught, equal = tree
+    monkeypatch.setattr(campaign, "try_mutant", None)
+    monkeypatch.setattr(campaign.equivalence, "write_originals", None)
+    planned, seen = {"gc_delay": (2, [caught.mutant, equal.mutant])}, []
+    outcomes = campaign.run(root, planned, 1, Verdicts(root / "verdicts.csv", root), seen.append)
+    assert {outcome.mutant for outcome in outcomes} == {caught.mutant, equal.mutant}
+    assert len(seen) == 2
 
 
 def test_verdicts_of_other_entities_stay(tree):

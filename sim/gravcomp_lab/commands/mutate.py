@@ -33,8 +33,10 @@ def run(arguments):
     verdicts = Verdicts(arguments.verdicts, root)
     total = sum(min(share, len(order)) for share, order in planned.values())
     print(f"seed {arguments.seed}: {total} faults in {len(planned)} entities", flush=True)
-    if not arguments.no_baseline:
-        campaign.check_baseline(root, planned, arguments.out / "baseline")
+    entities = campaign.to_try(planned, verdicts)
+    print(f"to be tried: {', '.join(entities) or 'none, every verdict still holds'}", flush=True)
+    if entities and not arguments.no_baseline:
+        campaign.check_baseline(root, entities, arguments.out / "baseline")
     with tqdm(total=total, desc="mutants") as bar:
 
         def tell(outcome: Outcome) -> None:

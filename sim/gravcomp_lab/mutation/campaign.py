@@ -54,6 +54,21 @@ def plan(root: Path, n_mutants: int, seed: int, entities: Iterable[str] = ()) ->
     return {entity: drawn[entity] for entity in entities} or drawn
 
 
+def to_try(planned: dict[str, tuple[int, list[Mutant]]], verdicts: Verdicts) -> list[str]:
+    """The entities of a plan with a fault that must be tried, because its verdict is not known."""
+    return [entity for entity, (share, order) in planned.items() if not _is_known(share, order, verdicts)]
+
+
+def _is_known(share: int, order: list[Mutant], verdicts: Verdicts) -> bool:
+    for mutant in order:
+        if share == 0:
+            break
+        if (outcome := verdicts.known(mutant)) is None:
+            return False
+        share -= outcome.result != INVALID
+    return True
+
+
 def check_baseline(root: Path, entities: Iterable[str], build: Path) -> None:
     """Raise InputError unless the tests that shall catch the mutants pass on the VHDL as it is."""
     files = sorted({file for entity in entities for file in relevant_tests(entity, root / "rtl", root / "tb")})
@@ -78,7 +93,8 @@ def run(
     }
     outcomes, every = [], []
     with ThreadPoolExecutor(jobs) as pool, tempfile.TemporaryDirectory(prefix="originals-") as folder:
-        equivalence.write_originals(root / "rtl", Path(folder))
+        if to_try(planned, verdicts):
+            equivalence.write_originals(root / "rtl", Path(folder))
 
         def outcome_of(mutant: Mutant, entity: str) -> Outcome:
             return verdicts.known(mutant) or try_mutant(mutant, root, tests[entity], TIMEOUT_S, Path(folder))
