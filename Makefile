@@ -48,14 +48,14 @@ test-simulators: setup ## the tests of the RTL on other simulators: Debian 13's 
 	@scripts/setup.sh ghdl-llvm || echo "test-simulators: ghdl-llvm cannot be installed here" >&2
 	@scripts/test_simulators.sh -q -n auto $(if $(TESTS),$(TESTS),tb/test_rtl_*.py)
 
-train: setup ## train the network; write weights/spheiro and its ROM
-	@$(RUN)/gravcomp train
-	@$(RUN)/gravcomp rom --weights weights/spheiro
+train: setup ## train the network of the machine in WEIGHTS anew; write it there, and its ROM
+	@$(RUN)/gravcomp train --robot "$(WEIGHTS)" --out "$(WEIGHTS)"
+	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)"
 
 table1: setup ## the paper's Table 1, trained here, beside the paper's figures
 	@$(LAB) table1
 
-rom: setup ## write rtl/generated from the CSV files in WEIGHTS
+rom: setup ## write rtl/generated from the machine folder WEIGHTS
 	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)"
 
 regs: setup ## write registers (VHDL, C header; HTML into build/registers) and IP-XACT from rtl/registers/gc_registers.rdl
@@ -71,7 +71,7 @@ hil: setup ## the robot in the physics engine and gc_system in one simulation: P
 
 budget: setup ## operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics
 	@$(PYTEST) -q tb/test_rtl_budget.py
-	@$(LAB) budget
+	@$(LAB) budget --weights "$(WEIGHTS)"
 
 latency: setup ## initiation interval and latency per number of lanes, measured in simulation
 	@$(PYTEST) -q -n auto tb/test_rtl_core.py
@@ -84,7 +84,7 @@ docs: sim latency budget ## docs/measured/results.md and its pictures, from fres
 	@set -e; { echo "# Results"; echo; echo "Written by \`make docs\`."; \
 	   echo; echo "## End to end"; echo; $(LAB) sim-report --weights "$(WEIGHTS)" --pictures docs/measured/figures; \
 	   echo; echo "## Interval and latency"; echo; $(LAB) latency; \
-	   echo; echo "## Operations"; echo; $(LAB) budget; \
+	   echo; echo "## Operations"; echo; $(LAB) budget --weights "$(WEIGHTS)"; \
 	   echo; echo "## Fixed point"; echo; $(RUN)/gravcomp formats --weights "$(WEIGHTS)"; } >build/results.md
 	@mv build/results.md docs/measured/results.md
 
@@ -92,8 +92,8 @@ docs-site: setup ## docs/ as a site in build/site; a broken link is an error
 	@$(RUN)/mkdocs build --strict
 	@echo "build/site/index.html"
 
-loop: setup ## close the loop with measured data: DATA=log.csv, MODEL=robot.toml, SAVE=weights/mine; error before and after
-	@$(RUN)/gravcomp loop "$(DATA)" --weights "$(WEIGHTS)" --out build/loop $(if $(MODEL),--model "$(MODEL)") \
+loop: setup ## close the loop with measured data: DATA=log.csv, WEIGHTS=weights/mine, SAVE=weights/next; error before and after
+	@$(RUN)/gravcomp loop "$(DATA)" --weights "$(WEIGHTS)" --out build/loop \
 	   $(if $(SAVE),--save "$(SAVE)")
 	@LOOP=build/loop $(PYTEST) -v tb/test_rtl_loop.py -k held_out
 	@$(RUN)/gravcomp loop-report --loop build/loop

@@ -9,9 +9,10 @@ import numpy as np
 
 from gravcomp.core.compensation import load_compensation
 from gravcomp.core.compensator_tables import FixedCompensation, quantise_compensation
+from gravcomp.core.folder import folder_hash
 from gravcomp.core.formats import FixedNetwork, quantise
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.machine import load_machine
 from gravcomp_lab.synthesis.verilog import source_of
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -22,16 +23,22 @@ def weights_under_test() -> Path:
     return ROOT / os.environ.get("WEIGHTS", "weights/spheiro")
 
 
+def hash_under_test() -> str:
+    """SHA-256 of the machine folder under test, as its ROM tells it."""
+    folder = weights_under_test()
+    return folder_hash(folder, load_machine(folder))
+
+
 def fixed_network() -> FixedNetwork:
     """The network under test as the hardware holds it."""
-    return quantise(load_network(weights_under_test()), load_parameters())
+    return quantise(load_network(weights_under_test()), load_machine(weights_under_test()).drive)
 
 
 def fixed_compensation() -> FixedCompensation:
     """The compensator's tables under test as the hardware holds them."""
     folder = weights_under_test()
     constants = load_compensation(folder, fixed_network().n_axes)
-    return quantise_compensation(constants, load_parameters(), folder)
+    return quantise_compensation(constants, load_machine(folder).drive, folder)
 
 
 def vhdl_constant(entity: str, name: str) -> int:

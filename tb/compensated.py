@@ -1,21 +1,20 @@
 """A weights folder with a compensator that uses everything it can, each axis another part of it."""
 
-import shutil
 from pathlib import Path
 
 import numpy as np
 
-from codes import ROOT
 from gravcomp.core.compensation import Compensation, load_compensation
 from gravcomp.core.compensator_tables import FixedCompensation, quantise_compensation
 from gravcomp.core.vhdl.network_package import write_rom
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.machine import load_machine, parse_machine
+from machines import changed, machine_folder
 
 N_AXES = 3
 # A clock so slow that the simulator's axes move as fast as real ones: 16 clocks per 4 counts are 2.5 mm/s.
+SLOW = parse_machine(changed(("clock_hz = 40e6", "clock_hz = 1e4")), "a slow core")
 CSV = """\
 axis,name,value
-all,clock_hz,1e4
 all,v_dead_mps,2e-4
 all,v_full_mps,4e-4
 1,fc_pos_n,1.7
@@ -40,20 +39,18 @@ all,v_full_mps,4e-4
 """
 
 
-def compensated_weights(folder: Path, csv: str = CSV) -> Path:
-    """Write the weights of the Sphe.I.Ro. with this compensation.csv, and generated/ with their packages, to folder."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in ("hidden.csv", "output.csv", "scaling.csv"):
-        shutil.copy(ROOT / "weights" / "spheiro" / name, folder)
+def compensated_weights(folder: Path, csv: str = CSV, machine: str = SLOW.text) -> Path:
+    """Write a machine folder with this compensation.csv and robot.toml, and its packages in generated/."""
+    machine_folder(folder, text=machine)
     (folder / "compensation.csv").write_text(csv)
-    write_rom(folder, load_parameters(), folder / "generated")
+    write_rom(folder, folder / "generated")
     return folder
 
 
 def constants(folder: Path) -> tuple[Compensation, FixedCompensation]:
     """The constants in a weights folder, and the hardware's tables of them."""
     compensation = load_compensation(folder, N_AXES)
-    return compensation, quantise_compensation(compensation, load_parameters(), folder)
+    return compensation, quantise_compensation(compensation, load_machine(folder).drive, folder)
 
 
 def draw_periods(shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:

@@ -13,21 +13,20 @@ from compensated import compensated_weights
 from gravcomp.core.compensator_tables import FixedCompensation
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS, FORCE_BITS, FixedNetwork
 from gravcomp.core.image import Image, load_image
-from gravcomp.network.weights import load_network, save_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.network.weights import load_network
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
+from machines import MACHINE, machine_folder
 from test_rtl_force_path import CLOCKS_BEHIND_CORE, Bench
 
 SPHEIRO = ROOT / "weights" / "spheiro"
 ROM, FIRST, SECOND = 0, 1, 2  # what sts_bank says
 LOAD_PORTS = ("load_begin", "load_valid", "load_word", "load_commit", "load_crc")
-# Friction and cogging that are nowhere those of compensated.CSV.
+# Friction and cogging that are nowhere those of compensated.CSV, at speeds of a simulator's axes.
 OTHER_CSV = """\
 axis,name,value
-all,clock_hz,2e4
-all,v_dead_mps,1e-4
-all,v_full_mps,5e-4
+all,v_dead_mps,0.2
+all,v_full_mps,1
 all,fc_pos_n,3.3
 all,fc_neg_n,2.1
 all,mu,0.02
@@ -52,18 +51,17 @@ def other_weights(folder: Path, compensation: str = OTHER_CSV, seed: int = 61) -
         hidden_bias=shrunk(network.hidden_bias),
         output_weights=shrunk(network.output_weights),
         output_bias=shrunk(network.output_bias),
-        q_scale_per_m=1.2 * shrunk(network.q_scale_per_m, 0.85),
-        f_offset_n=shrunk(network.f_offset_n),
-        f_scale_n=shrunk(network.f_scale_n, 0.92),
+        q_scale=1.2 * shrunk(network.q_scale, 0.85),
+        f_offset=shrunk(network.f_offset),
+        f_scale=shrunk(network.f_scale, 0.92),
     )
-    compensated_weights(folder, compensation)
-    save_network(other, folder)
-    return folder
+    compensated_weights(folder, compensation, MACHINE.text)
+    return machine_folder(folder, other)
 
 
 def image_of(folder: Path) -> Image:
     """The image of a weights folder for a core that was built with weights/spheiro."""
-    return load_image(folder, SPHEIRO, load_parameters())
+    return load_image(folder, SPHEIRO)
 
 
 class LoadBench(Bench):

@@ -1,14 +1,10 @@
 """Samples of the built-in robot for tests of the measured side: holds and slow motion, without any effect or noise."""
 
-from functools import partial
-
 import numpy as np
 
 from gravcomp.logs.measurement import Measurement
-from gravcomp.robot.spheiro.parameters import load_parameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
+from machines import MACHINE
 
-P = load_parameters()
 REACH_M = 0.08  # inside the joint space for any combination of signs
 MOTION_M = 0.06
 MOTION_RAD_PER_S = np.array([0.5, 0.67, 0.83])
@@ -17,9 +13,9 @@ MOTION_PHASE_RAD = np.array([0.3, 1.1, 2.0])
 
 def sampled(t_s, q, v, temp_c=None) -> Measurement:
     """Rows of the robot whose measured force is the model's."""
-    f = holding_forces_at(q, P)
-    at = partial(holding_forces_at, p=P)
-    return Measurement("samples", t_s, q, v, f, f, "N", ("m",) * 3, temp_c=temp_c, force_at=at, robot=P)
+    robot = MACHINE.robot
+    f = robot.forces(q)
+    return Measurement("samples", t_s, q, v, f, f, "N", ("m",) * 3, temp_c=temp_c, force_at=robot.forces, robot=robot)
 
 
 def holds(n: int, seed: int) -> Measurement:

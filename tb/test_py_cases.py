@@ -10,7 +10,7 @@ import pytest
 
 from gravcomp.cli import main
 from gravcomp.diagnosis.model import load_model, model_toml
-from gravcomp.robot.spheiro.parameters import NOMINAL_TOML
+from machines import MACHINE, SHIPPED
 from measured_samples import motion
 
 N = 500
@@ -107,7 +107,7 @@ def test_late_effort_is_a_lag_and_no_backlash(tmp_path):
     late += 0.15 * np.random.default_rng(5).standard_normal(late.shape)
     columns = {f"q{i + 1}_m": moved.q[:, i] for i in range(3)} | {f"v{i + 1}_mps": moved.v[:, i] for i in range(3)}
     columns |= {f"f{i + 1}_n": late[:, i] for i in range(3)}
-    found = diagnosed(tmp_path, log(t_s=moved.t_s, **columns))
+    found = diagnosed(tmp_path, log(t_s=moved.t_s, **columns), "--robot", str(SHIPPED))
     assert names(found) == {"sensor_lag", "coulomb_friction"}
     assert value(found, "sensor_lag", "tau_s") == pytest.approx(0.25, abs=0.02)
     assert value(found, "coulomb_friction", "fc_1") == pytest.approx(2.0, abs=0.05)
@@ -136,7 +136,7 @@ def test_effort_of_the_wrong_sign_is_that_and_no_gain(tmp_path):
     found = diagnosed(tmp_path, text)
     assert names(found) == {"sensor_sign", "coulomb_friction"}
     assert value(found, "sensor_sign", "sign_1") == -1.0
-    again = diagnosed(tmp_path, text, "--model", str(tmp_path / "out" / "model.toml"))
+    again = diagnosed(tmp_path, text, "--robot", str(tmp_path / "out" / "model.toml"))
     assert again["verdict"] == "nothing_missing"
 
 
@@ -242,7 +242,7 @@ def test_change_may_be_negative_where_the_model_has_too_much(tmp_path):
     diagnosed(tmp_path, text)
     model = tmp_path / "out" / "model.toml"
     model.write_text(model.read_text() + '\n[[effects]]\nname = "coulomb_friction"\n[effects.params]\nfc_1 = 0.3\n')
-    found = diagnosed(tmp_path, text, "--model", str(model))
+    found = diagnosed(tmp_path, text, "--robot", str(model))
     assert names(found) == {"coulomb_friction"}
     assert value(found, "coulomb_friction", "fc_1") == pytest.approx(-0.3, abs=0.02)
     assert is_said(found, "too much coulomb_friction")
@@ -294,7 +294,7 @@ def test_axes_in_metres_and_radians_are_one_machine(tmp_path):
     assert found["unit"] == "Nm, N"
 
 
-ROBOT = NOMINAL_TOML.read_text(encoding="utf-8")
+ROBOT = MACHINE.text
 COULOMB = '[[effects]]\nname = "coulomb_friction"\n[effects.params]\nfc_1 = 0.5\n'
 TABLE = ('[[empirical]]\naxis = 1\nkind = "table"\nvariables = ["q1"]\nby_direction = false\n'
          "shape = [-1.0, 0.0, 1.0]\nvalues = [0.1, 0.2, 0.3]\n")  # fmt: skip
@@ -331,7 +331,7 @@ def robot_log() -> str:
 def test_model_with_a_slip_ends_in_one_line_with_key_and_mend(tmp_path, capsys, robot_log, case):
     text, told = WRONG[case]
     (tmp_path / "m.toml").write_text(f"{ROBOT}\n{text}")
-    diagnosed(tmp_path, robot_log, "--model", str(tmp_path / "m.toml"), status=2)
+    diagnosed(tmp_path, robot_log, "--robot", str(tmp_path / "m.toml"), status=2)
     message = capsys.readouterr().err.strip()
     assert told in message
     assert "\n" not in message
@@ -340,14 +340,14 @@ def test_model_with_a_slip_ends_in_one_line_with_key_and_mend(tmp_path, capsys, 
 
 @pytest.mark.parametrize("order", ["first", "inline"])
 def test_model_is_read_in_any_order_and_written_once(tmp_path, order):
-    text = f"{COULOMB}\n{ROBOT}" if order == "first" else (
+    text = ROBOT.replace("[network]", f"{COULOMB}[network]") if order == "first" else (
         f'effects = [{{name = "coulomb_friction", params = {{fc_1 = 0.5}}}}]\n{ROBOT}')  # fmt: skip
     (tmp_path / "m.toml").write_text(text)
     model = load_model(tmp_path / "m.toml")
     (tmp_path / "again.toml").write_text(model_toml(model))
     again = load_model(tmp_path / "again.toml")
     assert again.effects == model.effects == [("coulomb_friction", {"fc_1": 0.5})]
-    assert again.robot.d_m == model.robot.d_m
+    assert again.machine.robot.parameters.d_m == model.machine.robot.parameters.d_m
 
 
 def test_own_model_is_read_back_on_a_log_with_less(tmp_path):
@@ -357,7 +357,7 @@ def test_own_model_is_read_back_on_a_log_with_less(tmp_path):
     q = rng.uniform(-1.2, 1.2, 100)
     poor = log(t_s=np.arange(100.0), q1_rad=q, f1_nm=8.0 * np.cos(q) + 0.05 * rng.standard_normal(100),
                fm1_nm=8.0 * np.cos(q))  # fmt: skip
-    found = diagnosed(tmp_path, poor, "--model", str(tmp_path / "out" / "model.toml"))
+    found = diagnosed(tmp_path, poor, "--robot", str(tmp_path / "out" / "model.toml"))
     assert is_said(found, "the model's coulomb_friction is left aside", "no velocity")
 
 

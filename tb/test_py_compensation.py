@@ -5,19 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compensated import N_AXES, compensated_weights, constants, draw_periods
+from compensated import N_AXES, SLOW, compensated_weights, constants, draw_periods
 from gravcomp.core.compensation import load_compensation, no_compensation, save_compensation
 from gravcomp.core.compensator_tables import FRICTION_BITS, quantise_compensation
 from gravcomp.core.formats import FORCE_BITS
 from gravcomp.errors import InputError
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.twin.compensator import compensator, friction, period_of, position_table
 from gravcomp.twin.encoder import NO_PERIOD, DecoderConfig, quad_decoder, quadrature
+from machines import MACHINE
 
-P = load_parameters()
-M_PER_COUNT = P.encoder_m_per_count
+M_PER_COUNT = MACHINE.drive.unit_per_count
 HEADER = "axis,name,value\n"
-DEAD_BAND = "all,clock_hz,1e8\nall,v_dead_mps,1e-4\nall,v_full_mps,2e-4\n"
+DEAD_BAND = "all,v_dead_mps,1e-4\nall,v_full_mps,2e-4\n"
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +26,7 @@ def rich(tmp_path_factory):
 
 def read(folder, text: str):
     (folder / "compensation.csv").write_text(text)
-    return quantise_compensation(load_compensation(folder, N_AXES), P, folder)
+    return quantise_compensation(load_compensation(folder, N_AXES), MACHINE.drive, folder)
 
 
 def test_compensation_survives_writing_and_reading(rich, tmp_path):
@@ -50,16 +49,15 @@ def test_compensation_survives_writing_and_reading(rich, tmp_path):
         (HEADER + "1,fc_pos_n,nan\n", "row 1, column value: 'nan'"),
         (HEADER + "1,mu,1\n", "row 1, column value: mu = 1 must be in"),
         (HEADER + "1,pitch_m,-1\n", "row 1, column value: pitch_m = -1 must not"),
-        (HEADER + "1,clock_hz,1e8\n", "row 1, column axis: clock_hz is one for all"),
-        (HEADER + "2,fc_neg_n,1\n", "axis 2: clock_hz is missing"),
-        (HEADER + "2,fc_neg_n,1\nall,clock_hz,1e8\n", "axis 2: v_dead_mps is missing"),
-        (HEADER + "2,fc_neg_n,1\nall,clock_hz,1e8\nall,v_dead_mps,1e-4\n", "axis 2: v_full_mps must be above"),
+        (HEADER + "all,clock_hz,1e8\n", "row 1, column name: clock_hz stands in robot.toml"),
+        (HEADER + "2,fc_neg_n,1\n", "axis 2: v_dead_mps is missing"),
+        (HEADER + "2,fc_neg_n,1\nall,v_dead_mps,1e-4\n", "axis 2: v_full_mps must be above"),
         (HEADER + DEAD_BAND + "1,stribeck_n,1\n", "axis 1: vs_mps is missing"),
         (HEADER + "3,a1_n,1\n", "axis 3: pitch_m is missing"),
         (HEADER + "3,a1_n,1\n3,pitch_m,511e-6\n", "axis 3: pitch_m is below 512 counts"),
         (HEADER + "3,a1_n,132\n3,pitch_m,0.01\n", "axis 3: the harmonics exceed 131.071 N"),
         (HEADER + DEAD_BAND + "1,fc_neg_n,-131.1\n", "axis 1: Coulomb and Stribeck friction exceed"),
-        (HEADER + "all,clock_hz,1e8\nall,v_dead_mps,1e-9\nall,v_full_mps,1\n1,mu,0.1\n", "v_dead_mps is too slow"),
+        (HEADER + "all,v_dead_mps,1e-9\nall,v_full_mps,1\n1,mu,0.1\n", "v_dead_mps is too slow"),
     ],
 )
 def test_bad_compensation_is_named(tmp_path, text, complaint):
@@ -70,7 +68,7 @@ def test_bad_compensation_is_named(tmp_path, text, complaint):
 
 
 def test_without_a_file_the_compensator_is_transparent(tmp_path):
-    fixed = quantise_compensation(load_compensation(tmp_path, N_AXES), P, tmp_path)
+    fixed = quantise_compensation(load_compensation(tmp_path, N_AXES), MACHINE.drive, tmp_path)
     rng = np.random.default_rng(1)
     force = rng.integers(-(2 ** (FORCE_BITS - 1)), 2 ** (FORCE_BITS - 1), (1000, N_AXES))
     count = rng.integers(-(2**31), 2**31, force.shape)
@@ -85,12 +83,12 @@ def test_friction_is_within_its_derived_bound_of_the_float_model(rich):
     With x = P over the segment's start, h = 1/8: error <= h^2/8 max|g''|; g'' of 1/x is at most 2, that of
     exp(-(u/x)^2) at most |4 u^4 - 6 u^2| exp(-u^2) <= 1.22. mu |f| adds half an LSB of mu and its place, times |f|.
     """
-    c = replace(rich[0], clock_hz=np.full(N_AXES, 1e8))
-    fixed = quantise_compensation(c, P)
+    c, drive = rich[0], replace(SLOW.drive, clock_hz=1e8)
+    fixed = quantise_compensation(c, drive)
     rng = np.random.default_rng(2)
     speed = 10.0 ** rng.uniform(np.log10(1.13 * 4e-4), np.log10(0.015), (20_000, 1)) * np.ones(N_AXES)
-    period = period_of(speed * rng.choice([-1, 1], speed.shape), c, P)
-    v = 4 * c.clock_hz * M_PER_COUNT / period
+    period = period_of(speed * rng.choice([-1, 1], speed.shape), drive)
+    v = 4 * drive.clock_hz * M_PER_COUNT / period
     force_mn = rng.integers(-130_000, 130_000, v.shape)
     exact_mn = 1e3 * c.friction_n(v) + np.sign(v) * c.mu * np.abs(force_mn)
     bound_mn = 1.5 + 1e3 * (2 / 512 * c.b_pos_ns_per_m * np.abs(v) * 9 / 8 + 1.22 / 512 * np.abs(c.stribeck_n))
@@ -104,7 +102,7 @@ def test_friction_differs_by_direction(rich):
     c, fixed = rich
     rest, period = np.zeros((1, N_AXES), int), np.full((1, N_AXES), 16)
     forward, backward = friction(rest, period, fixed), friction(rest, -period, fixed)
-    v = np.full(N_AXES, c.clock_hz * 4 * M_PER_COUNT / 16)
+    v = np.full(N_AXES, SLOW.drive.clock_hz * 4 * M_PER_COUNT / 16)
     np.testing.assert_allclose(forward[0], 1e3 * c.friction_n(v), atol=1.0)
     np.testing.assert_allclose(backward[0], 1e3 * c.friction_n(-v), atol=1.0)
     assert forward[0, 0] > 0 > backward[0, 0]
@@ -121,7 +119,7 @@ def test_friction_rises_from_zero_and_never_changes_sign(rich):
     down = friction(np.zeros((len(period), N_AXES), int), -np.repeat(period[:, None], N_AXES, 1), fixed)[:, 0]
     assert (up >= 0).all()
     assert (down <= 0).all()
-    v = 4 * c.clock_hz[0] * M_PER_COUNT / period
+    v = 4 * SLOW.drive.clock_hz * M_PER_COUNT[0] / period
     still = v <= c.v_dead_mps[0] * 8 / 9
     assert still.any()
     assert not up[still].any()
@@ -189,8 +187,7 @@ def test_nothing_overflows_before_the_saturation(rich, tmp_path):
     assert saturated.any()
 
 
-def test_period_of_a_speed_is_that_of_the_speed_meter(rich):
-    c, _ = rich
-    period = period_of(np.array([[0.0025, -0.0025, 0.0]]), c, P)
+def test_period_of_a_speed_is_that_of_the_speed_meter():
+    period = period_of(np.array([[0.0025, -0.0025, 0.0]]), SLOW.drive)
     np.testing.assert_array_equal(period, [[16, -16, NO_PERIOD]])
     assert no_compensation(N_AXES).n_axes == N_AXES

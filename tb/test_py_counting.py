@@ -5,7 +5,6 @@ import pytest
 
 from gravcomp.network.weights import Network
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp.robot.spheiro.workspace import sample_workspace
 from gravcomp_lab.paper.operations import (
@@ -18,8 +17,7 @@ from gravcomp_lab.paper.operations import (
     network_on_counted,
     statics_on_counted,
 )
-
-P = load_parameters()
+from machines import P
 
 
 def random_network(n_axes, n_hidden, seed=0, gain=1.0):
@@ -33,6 +31,7 @@ def random_network(n_axes, n_hidden, seed=0, gain=1.0):
         6.0 + rng.uniform(size=n_axes),
         50.0 + rng.normal(size=n_axes),
         40.0 + rng.normal(size=n_axes),
+        ("m",) * n_axes,
     )
 
 

@@ -5,9 +5,12 @@ import re
 import numpy as np
 import pytest
 
+from arm import arm_toml
 from gravcomp.errors import InputError
 from gravcomp.logs.csv_reader import MIN_SAMPLES, read_measurement
-from measured_samples import MOTION_M, MOTION_RAD_PER_S, P, holds, motion
+from gravcomp.robot.machine import parse_machine
+from machines import MACHINE
+from measured_samples import MOTION_M, MOTION_RAD_PER_S, holds, motion
 
 DATA = holds(40, 1)
 HEADER = ["t_s", *(f"{stem}{i}_{unit}" for stem, unit in (("q", "m"), ("v", "mps"), ("f", "n")) for i in (1, 2, 3))]
@@ -40,7 +43,7 @@ def added(names: list[str], values: list[str]) -> str:
 def read(tmp_path, content):
     path = tmp_path / "log.csv"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return read_measurement(path, P)
+    return read_measurement(path, MACHINE)
 
 
 BAD = {
@@ -72,11 +75,12 @@ BAD = {
     "effort of more axes": (added(["f4_n"], ["1"]), "row 1: column f4_n has no position column; add q4_m"),
     "efforts in two units": (renamed(f3_n="f3_nm"), "row 1: columns f1_n, f2_n, f3_nm mix units"),
     "effort zero": (text(rows=[[*row[:7], "0", "0", "0"] for row in ROWS]), "columns f1_n, f2_n, f3_n are zero"),
-    "effort in Nm": (renamed(f1_n="f1_nm", f2_n="f2_nm", f3_n="f3_nm"), "row 1: column f1_nm: the built-in robot"),
+    "effort in Nm": (renamed(f1_n="f1_nm", f2_n="f2_nm", f3_n="f3_nm"),
+                     "has it in N; add fm columns or give that unit"),
     "prediction in Nm": (added(["fm1_nm", "fm2_nm", "fm3_nm"], ["1"] * 3), "row 1: column fm1_nm is in Nm, the effort"),
     "angles": (only("t_s", "q1_m", "q2_m", "q3_m", "f1_n", "f2_n", "f3_n", q1_m="q1_rad", q2_m="q2_rad", q3_m="q3_rad"),
-               "row 1: columns q1_rad, q2_rad, q3_rad without fm columns; add fm1_"),
-    "two axes": (only("t_s", "q1_m", "q2_m", "f1_n", "f2_n"), "row 1: columns q1_m, q2_m without fm columns"),
+               "row 1: columns q1_rad, q2_rad, q3_rad without fm columns, but "),
+    "two axes": (only("t_s", "q1_m", "q2_m", "f1_n", "f2_n"), "row 1: columns q1_m, q2_m without fm columns, but "),
     "velocity of an angle": (renamed(v3_mps="v3_radps"), "row 1: column v3_radps doesn't go with q3_m; give v3_mps"),
     "unit misspelt": (renamed(v1_mps="v1_ms"), "row 1: column v1_ms is not known; name it v1_mps or v1_radps"),
     "capital": (added(["temp_C"], ["20"]), "row 1: column temp_C is not known; name it temp_c, or delete it"),
@@ -101,7 +105,7 @@ def test_bad_input_is_one_line_with_file_row_column_and_remedy(case, tmp_path):
 @pytest.mark.parametrize("name", ["absent.csv", "."])
 def test_file_that_cannot_be_opened_is_named(name, tmp_path):
     with pytest.raises(InputError, match=r"cannot be read .*; give a CSV text file") as caught:
-        read_measurement(tmp_path / name, P)
+        read_measurement(tmp_path / name, MACHINE)
     assert str(tmp_path / name) in str(caught.value)
 
 
@@ -137,13 +141,28 @@ def test_amperes_become_newtons_by_the_thrust_constant(tmp_path):
 
 @pytest.mark.parametrize(("effort", "model", "unit", "gains"), [
     ("f1_n", "fm1_n", "N", (1, 1)), ("f1_nm", "fm1_nm", "Nm", (1, 1)), ("i1_a", "fm1_a", "A", (1, 1)),
-    ("i1_a", "fm1_n", "N", (45, 1)), ("f1_n", "fm1_a", "N", (1, 45)),
+    ("i1_a", "fm1_nm", "Nm", (40, 1)), ("f1_nm", "fm1_a", "Nm", (1, 40)),
 ])  # fmt: skip
 def test_users_own_model_is_compared_in_one_unit(effort, model, unit, gains, tmp_path):
-    data = read(tmp_path, text(["t_s", "q1_rad", effort, model], [[*row[:2], row[7], row[8]] for row in ROWS]))
+    path, rows = tmp_path / "log.csv", [[*row[:2], row[7], row[8]] for row in ROWS]
+    path.write_text(text(["t_s", "q1_rad", effort, model], rows))
+    data = read_measurement(path, parse_machine(arm_toml(1), "arm"))
     np.testing.assert_allclose(data.force[:, 0], gains[0] * DATA.force[:, 0], rtol=1e-8)
     np.testing.assert_allclose(data.nominal[:, 0], gains[1] * DATA.force[:, 1], rtol=1e-8)
     assert (data.unit, data.position_units, data.robot) == (unit, ("rad",), None)
+
+
+def test_amperes_need_the_machine(tmp_path):
+    path, rows = tmp_path / "log.csv", [[*row[:2], row[7], row[8]] for row in ROWS]
+    path.write_text(text(["t_s", "q1_rad", "i1_a", "fm1_nm"], rows))
+    with pytest.raises(InputError, match=r"row 1: column i1_a is in amperes; give the machine folder with --robot"):
+        read_measurement(path)
+
+
+def test_a_log_without_a_model_needs_the_machine(tmp_path):
+    (tmp_path / "log.csv").write_text(text())
+    with pytest.raises(InputError, match=r"without fm columns; add fm1_.* or give the machine folder with --robot"):
+        read_measurement(tmp_path / "log.csv")
 
 
 def test_velocity_of_a_motion_follows_from_its_positions_and_that_of_holds_is_unknown(tmp_path):

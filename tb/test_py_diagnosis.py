@@ -12,11 +12,10 @@ from gravcomp.diagnosis.model import Model, load_model, model_toml
 from gravcomp.diagnosis.report import report
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp.robot.spheiro.workspace import sample_workspace
+from machines import MACHINE, SHIPPED, P
 
-P = load_parameters()
 NOISE_N = 0.3
 N = 400
 
@@ -37,7 +36,8 @@ def run(tmp_path, text, *options):
     """Exit status and report of the command line."""
     data, out = tmp_path / "log.csv", tmp_path / "out"
     data.write_text(text)
-    status = main(["diagnose", str(data), "--out", str(out), *options])
+    robot = [] if "--robot" in options else ["--robot", str(SHIPPED)]
+    status = main(["diagnose", str(data), "--out", str(out), *robot, *options])
     return status, json.loads((out / "report.json").read_text()) if status == 0 else None
 
 
@@ -85,16 +85,18 @@ def test_intervals_cover_the_true_coefficient(tmp_path):
 def test_model_reloaded_leaves_nothing_missing(tmp_path):
     text = holds(lambda q, v: 0.8 * np.sign(v) + 0.02 * holding_forces_at(q, P))
     run(tmp_path, text)
-    _, found = run(tmp_path, text, "--model", str(tmp_path / "out" / "model.toml"))
+    _, found = run(tmp_path, text, "--robot", str(tmp_path / "out" / "model.toml"))
     assert found["verdict"] == "nothing_missing"
 
 
 def test_model_toml_survives_a_round_trip(tmp_path):
-    model = Model(effects=[("coulomb_friction", {"fc_1": 1.25}), ("payload", {"moment_x": 0.1})])
-    (tmp_path / "m.toml").write_text(model_toml(model))
-    again = load_model(tmp_path / "m.toml")
-    assert again.effects == model.effects
-    assert model_toml(again) == model_toml(model)
+    for machine in (None, MACHINE):
+        model = Model(machine, [("coulomb_friction", {"fc_1": 1.25}), ("payload", {"moment_x": 0.1})])
+        (tmp_path / "m.toml").write_text(model_toml(model))
+        again = load_model(tmp_path / "m.toml")
+        assert again.effects == model.effects
+        assert model_toml(again) == model_toml(model)
+        assert (again.machine is None) == (machine is None)
 
 
 def test_report_is_the_same_for_the_same_seed(tmp_path):
@@ -104,7 +106,7 @@ def test_report_is_the_same_for_the_same_seed(tmp_path):
 
 def test_held_out_samples_reach_no_fit(tmp_path):
     (tmp_path / "log.csv").write_text(holds(lambda q, v: 0.8 * np.sign(v)))
-    data = read_measurement(tmp_path / "log.csv", P)
+    data = read_measurement(tmp_path / "log.csv", MACHINE)
     first = diagnose(data, Model())
     spoilt = np.where(first.is_test[:, None], data.force + 50.0, data.force)
     second = diagnose(replace(data, force=spoilt), Model())

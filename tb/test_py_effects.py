@@ -23,7 +23,8 @@ from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 from gravcomp.robot.spheiro.kinematics import direct_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces_at
-from measured_samples import MOTION_M, MOTION_RAD_PER_S, P, arm, holds, motion, sampled
+from machines import P
+from measured_samples import MOTION_M, MOTION_RAD_PER_S, arm, holds, motion, sampled
 
 # name: units by parameter ([q], [f]: units of position and effort in the data), place in hardware
 CONTRACT = {

@@ -20,12 +20,12 @@ from gravcomp.robot.spheiro.kinematics import (
     jacobian,
     passive_jacobian,
 )
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp.robot.spheiro.workspace import sample_workspace
 from gravcomp_lab.paper.field import hold_field
+from machines import MACHINE, SHIPPED, P
 
-P = load_parameters()
+MEASURE = ["measure", "--robot", str(SHIPPED)]
 MOTION_SEED = 91  # all axes move
 VOCABULARY = {
     *("coulomb_friction", "viscous_friction", "stribeck_friction", "passive_joint_friction", "load_dependent_friction"),
@@ -36,7 +36,7 @@ VOCABULARY = {
 
 @pytest.fixture(scope="module")
 def plain():
-    return measure(P, [], 30, MOTION_SEED, mode="motion")
+    return measure(MACHINE, [], 30, MOTION_SEED, mode="motion")
 
 
 def residual_n(log):
@@ -44,7 +44,7 @@ def residual_n(log):
 
 
 def moved(name, **params):
-    return measure(P, [EFFECTS[name](**params)], 30, MOTION_SEED, mode="motion")
+    return measure(MACHINE, [EFFECTS[name](**params)], 30, MOTION_SEED, mode="motion")
 
 
 def statics(q, shift=0.0):
@@ -85,11 +85,11 @@ def test_effects_of_the_vocabulary_are_all_there_and_at_least_four_beyond():
 
 @pytest.mark.parametrize(("mode", "n_points"), [("static", 60), ("motion", 240)])
 def test_without_effects_the_measured_effort_is_the_statics(mode, n_points):
-    log = measure(P, [], n_points, seed=1, mode=mode)
+    log = measure(MACHINE, [], n_points, seed=1, mode=mode)
     rms_n = np.sqrt(np.mean(residual_n(log) ** 2))
     print(f"{mode}: effort without noise is off by {1e3 * rms_n:.1f} mN RMS")
     assert rms_n < 0.025
-    noise_n = P.thrust_constant_n_per_a * log.current_a - log.effort_n
+    noise_n = MACHINE.drive.effort_per_ampere * log.current_a - log.effort_n
     assert noise_n.std() == pytest.approx(0.1, rel=0.25)
 
 
@@ -161,7 +161,7 @@ def test_effect_shows_with_the_size_and_sign_asked_for(plain, name, params, expe
 
 def test_effects_add_up(plain):
     both = measure(
-        P,
+        MACHINE,
         [EFFECTS["coulomb_friction"](fc=1.0), EFFECTS["load_dependent_friction"](mu=0.03)],
         30,
         MOTION_SEED,
@@ -183,13 +183,13 @@ def test_effects_add_up(plain):
     ],
 )
 def test_effect_shows_in_holds(name, params, expected):
-    log = measure(P, [EFFECTS[name](**params)], 12, 1, mode="static")
+    log = measure(MACHINE, [EFFECTS[name](**params)], 12, 1, mode="static")
     is_clear = np.abs(log.v_mps).min(axis=1) > 3e-5
     np.testing.assert_allclose(residual_n(log)[is_clear], expected(log)[is_clear], atol=0.1)
 
 
 def test_inertia_shows_in_fast_motion():
-    light, heavy = (measure(P, e, 60, 1, mode="motion", speed=8.0) for e in ([], [EFFECTS["inertia"](m=20.0)]))
+    light, heavy = (measure(MACHINE, e, 60, 1, mode="motion", speed=8.0) for e in ([], [EFFECTS["inertia"](m=20.0)]))
     acceleration = np.gradient(light.v_mps, light.t_s, axis=0)
     more = (heavy.effort_n - light.effort_n)[2:-2]
     slope = np.sum(more * acceleration[2:-2]) / np.sum(acceleration[2:-2] ** 2)
@@ -206,7 +206,7 @@ def test_effect_inside_the_mechanism_grows_with_its_size(plain, name):
 
 
 def test_held_forces_lag_in_the_direction_of_approach_within_the_friction():
-    log = measure(P, [EFFECTS["coulomb_friction"](fc=2.0)], 60, seed=2, mode="static")
+    log = measure(MACHINE, [EFFECTS["coulomb_friction"](fc=2.0)], 60, seed=2, mode="static")
     is_moving = np.abs(log.v_mps) > 3e-5
     lag = (residual_n(log) * np.sign(log.v_mps) / 2.0)[is_moving]
     print(f"lag of holds in parts of the friction: mean {lag.mean():.3f}, {lag.min():.3f} to {lag.max():.3f}")
@@ -217,14 +217,14 @@ def test_held_forces_lag_in_the_direction_of_approach_within_the_friction():
 
 def test_same_seed_gives_the_same_file_and_another_seed_another():
     effects = [EFFECTS["cogging"](), EFFECTS["backlash"]()]
-    first, again, other = (log_csv(measure(P, effects, 16, seed)) for seed in (1, 1, 2))
+    first, again, other = (log_csv(measure(MACHINE, effects, 16, seed)) for seed in (1, 1, 2))
     assert first == again
     assert first != other
 
 
 def test_csv_has_the_columns_quantised_and_no_word_of_the_effect(tmp_path):
     path = tmp_path / "log.csv"
-    arguments = ["measure", "--effect", "payload:m=1", "--effect", "random_unlisted", "--points", "16", "--seed", "5"]
+    arguments = [*MEASURE, "--effect", "payload:m=1", "--effect", "random_unlisted", "--points", "16", "--seed", "5"]
     assert main([*arguments, "--out", str(path), "--temperature"]) == 0
     text = path.read_text()
     assert "#" not in text
@@ -238,15 +238,15 @@ def test_csv_has_the_columns_quantised_and_no_word_of_the_effect(tmp_path):
     assert len(rows) == 16
     table = np.array([[float(value) for value in row.values()] for row in rows])
     assert (np.diff(table[:, 0]) > 0).all()
-    counts = table[:, 1:4] / P.encoder_m_per_count
+    counts = table[:, 1:4] / MACHINE.drive.unit_per_count
     np.testing.assert_allclose(counts, np.rint(counts), atol=1e-4)
-    assert np.abs(P.thrust_constant_n_per_a * table[:, 7:10] - holding_forces_at(table[:, 1:4], P)).max() > 0.5
+    assert np.abs(MACHINE.drive.effort_per_ampere * table[:, 7:10] - holding_forces_at(table[:, 1:4], P)).max() > 0.5
 
 
 def test_sealed_answer_names_what_was_put_in(tmp_path):
     main(
         [
-            "measure",
+            *MEASURE,
             "--effect",
             "payload:m=1,x=0.1",
             "--effect",
@@ -271,7 +271,7 @@ def test_random_effects_follow_the_seed_and_differ_among_seeds(tmp_path):
     drawn = []
     for seed in (1, 1, 2, 3, 4):
         path = tmp_path / "log.csv"
-        main(["measure", "--effect", "random", "--points", "8", "--seed", str(seed), "--out", str(path)])
+        main([*MEASURE, "--effect", "random", "--points", "8", "--seed", str(seed), "--out", str(path)])
         drawn.append(json.loads(path.with_suffix(".sealed.json").read_text())["effects"])
     assert drawn[0] == drawn[1]
     assert len({json.dumps(d) for d in drawn}) == 4
@@ -292,12 +292,12 @@ def test_random_effects_follow_the_seed_and_differ_among_seeds(tmp_path):
         (["--points", "3"], "at least 8 points"),
         (["--noise", "-1"], "must not be negative"),
         (["--speed", "nan"], "must be in 0..100"),
-        (["--robot", "absent.toml"], "absent.toml: cannot be read"),
+        (["--robot", "absent"], "absent: no robot.toml"),
     ],
 )
 def test_wrong_request_is_refused_in_one_line_and_nothing_is_written(tmp_path, capsys, arguments, said):
     path = tmp_path / "log.csv"
-    assert main(["measure", "--points", "8", "--out", str(path), *arguments]) == 2
+    assert main([*MEASURE, "--points", "8", "--out", str(path), *arguments]) == 2
     message = capsys.readouterr().err
     assert said in message
     assert len(message.splitlines()) == 1
@@ -306,7 +306,7 @@ def test_wrong_request_is_refused_in_one_line_and_nothing_is_written(tmp_path, c
 
 def held(effects, poses):
     sides = np.random.default_rng(3).standard_normal((len(poses), 3))
-    return hold_poses(Plant(P, effects), poses, sides, tqdm(disable=True))
+    return hold_poses(Plant(MACHINE, effects), poses, sides, tqdm(disable=True))
 
 
 def test_held_poses_are_read_where_asked_and_carry_the_friction():
@@ -322,7 +322,7 @@ def test_held_poses_are_read_where_asked_and_carry_the_friction():
 
 
 def test_field_effects_make_the_analytic_model_err_as_in_the_paper():
-    data = hold_field(P, sample_workspace(60, P, seed=7, torsion_deg=0.0), "random", seed=7)
+    data = hold_field(MACHINE, sample_workspace(60, P, seed=7, torsion_deg=0.0), "random", seed=7)
     percent = 100 * np.linalg.norm(data.force - data.nominal, axis=1) / np.linalg.norm(data.force, axis=1)
     print(f"analytic model on the field, torsion 0: {percent.mean():.1f} % on average (paper: 3.8 %)")
     assert percent.mean() == pytest.approx(3.8, abs=0.4)
@@ -330,4 +330,4 @@ def test_field_effects_make_the_analytic_model_err_as_in_the_paper():
 
 def test_unknown_mode_is_refused():
     with pytest.raises(InputError, match="mode 'dynamic'"):
-        measure(P, [], 8, 0, mode="dynamic")
+        measure(MACHINE, [], 8, 0, mode="dynamic")

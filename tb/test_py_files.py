@@ -34,5 +34,6 @@ def test_file_in_place_of_a_folder_is_refused(tmp_path):
 
 
 def test_measure_without_a_file_name_is_refused_in_one_line(capsys):
-    assert main(["measure", "--effect", "none", "--out", "", "--points", "2", "--mode", "static"]) == 2
+    robot = ["--robot", "weights/spheiro"]
+    assert main(["measure", *robot, "--effect", "none", "--out", "", "--points", "2", "--mode", "static"]) == 2
     assert capsys.readouterr().err.strip().splitlines()[-1].startswith("gravcomp measure:")

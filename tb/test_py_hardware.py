@@ -1,7 +1,6 @@
 """Where effects go: constants that make the compensator's model the effect itself, a network that learns the rest."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -12,12 +11,11 @@ from gravcomp.diagnosis.model import Model
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.placement import compensation_from_effects
-from gravcomp.loop.retraining import augmented_set, retrained
+from gravcomp.loop.retraining import augmented_set
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.training.fine_tuning import retrained
+from machines import MACHINE
 
-P = load_parameters()
 THREE = (1, 2, 3)
 
 
@@ -42,9 +40,9 @@ def data() -> Measurement:
     rng = np.random.default_rng(6)
     q = rng.uniform(-0.08, 0.08, (300, 3))
     v = rng.uniform(1.1e-4, 1e-2, q.shape) * rng.choice([-1, 1], q.shape)
-    f = holding_forces_at(q, P)
-    at = partial(holding_forces_at, p=P)
-    return Measurement("test", np.arange(300.0), q, v, f, f, "N", ("m",) * 3, force_at=at, robot=P)
+    f = MACHINE.robot.forces(q)
+    robot = MACHINE.robot
+    return Measurement("test", np.arange(300.0), q, v, f, f, "N", ("m",) * 3, force_at=robot.forces, robot=robot)
 
 
 @pytest.mark.parametrize("case", DIRECT)
@@ -104,11 +102,12 @@ def test_harmonic_that_the_table_cannot_hold_is_refused(data):
 def test_network_learns_a_payload_and_a_spring():
     """From 3 N RMS to what the network reaches on the plain statics, 0.1 N, on poses that it was not trained on."""
     moment = {f"moment_{axis}": m for axis, m in zip("xyz", (0.1, -0.05, 0.08), strict=True)}
-    lacking = Model(effects=[("payload", moment), ("cable_spring", values("k", 30, 20, 40) | values("q0", 0, 0.01, 0))])
+    spring = values("k", 30, 20, 40) | values("q0", 0, 0.01, 0)
+    lacking = Model(MACHINE, effects=[("payload", moment), ("cable_spring", spring)])
     network = load_network(ROOT / "weights" / "spheiro")
-    unseen = augmented_set(lacking, P, 2)
-    after, _ = retrained(network, augmented_set(lacking, P, 1), P)
-    rms_n = [float(np.sqrt(np.mean((net.forces(unseen.q_m) - unseen.f_n) ** 2))) for net in (network, after)]
+    unseen = augmented_set(lacking, 2)
+    after, _ = retrained(network, augmented_set(lacking, 1), MACHINE.drive)
+    rms_n = [float(np.sqrt(np.mean((net.forces(unseen.q) - unseen.f) ** 2))) for net in (network, after)]
     print(f"MEASURED {rms_n[0]:.3f} N before, {rms_n[1]:.3f} N after")
     assert rms_n[0] > 1.0
     assert rms_n[1] < 0.13

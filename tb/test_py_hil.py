@@ -7,13 +7,12 @@ import pytest
 
 from gravcomp.prototype.body import TIME_STEP_S
 from gravcomp.robot.spheiro.kinematics import direct_kinematics
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp_lab.__main__ import main
 from gravcomp_lab.hil.plant import BRAKE_N, BrakedPrototype, Pid
 from gravcomp_lab.hil.runs import FULL, SHORT, Log, load, save, stop_after
+from machines import P
 
-P = load_parameters()
 START_M = FULL[0].target_m(0.0, P)
 NO_FORCE, ENGAGED, RELEASED = np.zeros(3), np.zeros(3, bool), np.ones(3, bool)
 

@@ -14,12 +14,10 @@ from gravcomp.core.compensator_tables import PHASE_STEP_BITS
 from gravcomp.core.formats import quantise
 from gravcomp.core.image import load_image
 from gravcomp.errors import InputError
-from gravcomp.network.weights import load_network, save_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.network.weights import load_network
 from gravcomp.twin.bounds import intervals
 from loading import OTHER_CSV, SPHEIRO, image_of, other_weights
-
-P = load_parameters()
+from machines import MACHINE, machine_folder
 
 
 class Reader:
@@ -52,9 +50,9 @@ def test_image_holds_the_constants_in_order(tmp_path, seed):
     for table in (added.friction, added.mu, added.position):
         for node in table.reshape(-1, 2):
             assert reader.record(18, 18) == node.tolist()
-    widths = [32] * 2 * n + [18] * 3 * n + [net.output_sum_bits] * n + [18] * n + [18] + [PHASE_STEP_BITS] * n
+    widths = [32] * 2 * n + [18] * 3 * n + [net.output_sum_bits] * n + [18] * 2 * n + [PHASE_STEP_BITS] * n
     limits = [*net.count_low, *net.count_high, *net.x_low, *net.x_high]
-    scales = [*net.input_scale, *net.output_bias, *net.output_scale, net.current_scale, *added.phase_step]
+    scales = [*net.input_scale, *net.output_bias, *net.output_scale, *net.current_scale, *added.phase_step]
     assert reader.record(*widths) == limits + scales
     assert reader.words == []
 
@@ -66,21 +64,21 @@ def test_crc_is_that_of_zlib_over_little_endian_bytes(tmp_path):
 
 
 def test_image_of_the_rom_has_the_constants_of_the_rom():
-    image, fixed = image_of(SPHEIRO), quantise(load_network(SPHEIRO), P)
+    image, fixed = image_of(SPHEIRO), quantise(load_network(SPHEIRO), MACHINE.drive)
     for name, value in vars(fixed).items():
         np.testing.assert_array_equal(getattr(image.network, name), value)
 
 
 def test_whatever_is_accepted_keeps_the_formats_and_cannot_overflow(tmp_path):
     """Networks around the limits of the formats: refused, or within every bound of the core."""
-    rng, network, rom = np.random.default_rng(63), load_network(SPHEIRO), quantise(load_network(SPHEIRO), P)
-    names = ("hidden_weights", "hidden_bias", "output_weights", "output_bias", "q_scale_per_m", "f_scale_n")
+    rng, network, rom = np.random.default_rng(63), load_network(SPHEIRO), quantise(load_network(SPHEIRO), MACHINE.drive)
+    names = ("hidden_weights", "hidden_bias", "output_weights", "output_bias", "q_scale", "f_scale")
     formats = [name for name in vars(rom) if name.endswith(("_bits", "_fraction", "_shift"))]
     n_accepted, n = 0, 300
     for _ in range(n):
         changed = {name: getattr(network, name) * 2 ** rng.normal(0, 0.15) for name in names}
         try:
-            fixed = quantise(replace(network, **changed), P, tmp_path, rom)
+            fixed = quantise(replace(network, **changed), MACHINE.drive, tmp_path, rom)
         except InputError:
             continue
         n_accepted += 1
@@ -103,12 +101,12 @@ def changed(column: str, factor: float):
         (changed("output_weights", 2), r"output.csv: row \d, column v_\d+: .* does not fit"),
         (changed("hidden_bias", 6), "hidden.csv: its sums need"),
         (changed("output_bias", 90), "output.csv: its sums need"),
-        (changed("q_scale_per_m", 0.4), "scaling.csv: column q_scale_per_m: the trained range is wider"),
-        (changed("q_scale_per_m", 1.5), "scaling.csv: row 1, column q_scale_per_m is too large"),
-        (changed("f_scale_n", 2), "scaling.csv: row 1, column f_scale_n is too large"),
-        (changed("f_scale_n", 0.5), "scaling.csv: row 1, column f_offset_n / f_scale_n"),
-        (lambda n: replace(n, f_offset_n=0 * n.f_offset_n, f_scale_n=n.f_scale_n / 100), "too small for the format"),
-        (lambda n: replace(n, q_offset_m=n.q_offset_m + 0.01), "scaling.csv: row 1, column q_offset_m"),
+        (changed("q_scale", 0.4), "scaling.csv: column q_scale: the trained range is wider"),
+        (changed("q_scale", 1.5), "scaling.csv: row 1, column q_scale is too large"),
+        (changed("f_scale", 2), "scaling.csv: row 1, column f_scale is too large"),
+        (changed("f_scale", 0.5), "scaling.csv: row 1, column f_offset / f_scale"),
+        (lambda n: replace(n, f_offset=0 * n.f_offset, f_scale=n.f_scale / 100), "too small for the format"),
+        (lambda n: replace(n, q_offset=n.q_offset + 0.01), "scaling.csv: row 1, column q_offset"),
         (
             lambda n: replace(
                 n,
@@ -121,14 +119,23 @@ def changed(column: str, factor: float):
     ],
 )
 def test_what_the_core_cannot_hold_is_refused(tmp_path, change, complaint):
-    save_network(change(load_network(SPHEIRO)), tmp_path)
+    machine_folder(tmp_path, change(load_network(SPHEIRO)))
     with pytest.raises(InputError, match=complaint):
-        load_image(tmp_path, SPHEIRO, P)
+        load_image(tmp_path, SPHEIRO)
 
 
 def test_command_writes_the_words_and_tells_their_crc(tmp_path):
     folder, out = other_weights(tmp_path / "other", OTHER_CSV), tmp_path / "other.bin"
-    command = [str(ROOT / ".venv/bin/gravcomp"), "image", "--weights", str(folder), "--out", str(out)]
+    command = [
+        str(ROOT / ".venv/bin/gravcomp"),
+        "image",
+        "--weights",
+        str(folder),
+        "--rom",
+        str(SPHEIRO),
+        "--out",
+        str(out),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=True)
     image = image_of(folder)
     assert out.read_bytes() == image.data

@@ -13,10 +13,9 @@ from gravcomp.robot.spheiro.kinematics import (
     passive_coordinates,
     passive_jacobian,
 )
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.workspace import sample_workspace
+from machines import P
 
-P = load_parameters()
 CYCLE = np.eye(3)[[2, 0, 1]]  # x -> y -> z -> x
 STEP_RAD = 1e-6
 

@@ -12,8 +12,8 @@ from gravcomp.cli import main
 from gravcomp.core.compensation import load_compensation
 from gravcomp.loop.loop import SAMPLES
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, load_parameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.machine import load_machine
+from machines import changed, machine_folder
 from measured_samples import holds
 
 WEIGHTS = ROOT / "weights" / "spheiro"
@@ -22,13 +22,11 @@ FC_N = np.array([1.0, 2.0, 1.5])
 
 @pytest.fixture(scope="module")
 def heavy(tmp_path_factory):
-    """TOML of a robot with another platform, and the log of its holds with Coulomb friction."""
+    """Folder of a machine with another platform, and the log of its holds with Coulomb friction."""
     folder = tmp_path_factory.mktemp("heavy robot")
-    toml = NOMINAL_TOML.read_text()
-    assert toml.count("mass_kg = 10.5") == 1
-    (folder / "robot.toml").write_text(toml.replace("mass_kg = 10.5", "mass_kg = 14.0"))
+    machine_folder(folder / "machine", text=changed(("mass_kg = 10.5", "mass_kg = 14.0")))
     data = holds(160, 4)
-    statics = holding_forces_at(data.q, load_parameters(folder / "robot.toml"))
+    statics = load_machine(folder / "machine").robot.forces(data.q)
     force = statics + FC_N * np.sign(data.v) + 0.1 * np.random.default_rng(1).standard_normal(data.shape)
     head = "t_s," + ",".join(f"{c}{i}_{u}" for c, u in (("q", "m"), ("v", "mps"), ("f", "n")) for i in (1, 2, 3))
     rows = np.column_stack([data.t_s, data.q, data.v, force])
@@ -45,8 +43,8 @@ def printed(heavy):
     return out.getvalue()
 
 
-def arguments_for(folder, model="robot.toml", weights=WEIGHTS):
-    return [str(folder / "log.csv"), "--weights", str(weights), "--model", str(folder / model)]
+def arguments_for(folder, weights="machine"):
+    return [str(folder / "log.csv"), "--weights", str(folder / weights)]
 
 
 def test_loop_takes_the_robot_it_is_given(heavy, printed):
@@ -54,7 +52,7 @@ def test_loop_takes_the_robot_it_is_given(heavy, printed):
     assert [effect["name"] for effect in found["effects"]] == ["coulomb_friction"]
     assert f"compensator: coulomb_friction\n  nowhere: nothing\n  weights: {heavy / 'weights' / 'mine'}" in printed
     with np.load(heavy / "out" / SAMPLES) as samples:
-        heavy_n = holding_forces_at(samples["q_m"], load_parameters(heavy / "robot.toml"))
+        heavy_n = load_machine(heavy / "machine").robot.forces(samples["q_m"])
         np.testing.assert_allclose(samples["model_n"], heavy_n)
 
 
@@ -73,18 +71,17 @@ def test_result_is_kept_as_a_weights_folder_with_its_provenance(heavy, printed, 
 
 
 def test_effects_that_the_model_has_stay_in_the_hardware(heavy, printed):
-    (heavy / "again.toml").write_text((heavy / "out" / "model.toml").read_text())
-    arguments = arguments_for(heavy, "again.toml", heavy / "weights" / "mine")
+    arguments = arguments_for(heavy, "weights/mine")
     assert main(["loop", *arguments, "--out", str(heavy / "second")]) == 0
     assert json.loads((heavy / "second" / "report.json").read_text())["verdict"] == "nothing_missing"
     first, second = (load_compensation(heavy / run / "after" / "weights", 3) for run in ("out", "second"))
     np.testing.assert_array_equal(second.fc_pos_n, first.fc_pos_n)
 
 
-def test_model_that_is_not_there_is_refused_in_one_line(heavy, capsys):
-    assert main(["loop", str(heavy / "log.csv"), "--model", str(heavy / "absent.toml")]) == 2
+def test_folder_without_a_machine_is_refused_in_one_line(heavy, capsys):
+    assert main(["loop", str(heavy / "log.csv"), "--weights", str(heavy)]) == 2
     error = capsys.readouterr().err
-    assert "absent.toml: cannot be read" in error
+    assert f"{heavy}: no robot.toml; a machine folder needs it" in error
     assert error.count("\n") == 1
 
 

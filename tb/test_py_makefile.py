@@ -22,15 +22,15 @@ def test_weights_folder_may_have_a_space(target):
     assert all(call[call.index("--weights") + 1] == "weights/my robot" for call in calls)
 
 
-def test_loop_takes_log_model_and_folder_with_spaces():
+def test_loop_takes_log_and_folders_with_spaces():
     (call,) = (
-        c for c in commands("loop", DATA="my log.csv", MODEL="my robot.toml", SAVE="weights/my own") if "loop" in c
+        c for c in commands("loop", DATA="my log.csv", WEIGHTS="weights/my robot", SAVE="weights/my own") if "loop" in c
     )
     assert call[1:3] == ["loop", "my log.csv"]
-    assert call[call.index("--model") + 1] == "my robot.toml"
+    assert call[call.index("--weights") + 1] == "weights/my robot"
     assert call[call.index("--save") + 1] == "weights/my own"
 
 
-def test_loop_without_model_and_folder_asks_for_neither():
+def test_loop_without_a_folder_to_keep_asks_for_none():
     (call,) = (call for call in commands("loop") if "loop" in call)
-    assert not {"--model", "--save"} & set(call)
+    assert "--save" not in call

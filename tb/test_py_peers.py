@@ -14,14 +14,13 @@ from codes import ROOT, pack, unpack
 from gravcomp.errors import InputError
 from gravcomp.network.activation import gamma
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp_lab import pages
 from gravcomp_lab.peers import claims, design, jitter, measure, ours
 from gravcomp_lab.synthesis.place_route import Placement
+from machines import MACHINE
 from runner import BUILD, simulate
 
 NETWORK = load_network(ROOT / "weights" / "spheiro")
-PARAMETERS = load_parameters()
 CORE = measure.Row("core", 1000, 1000, 28, 0, {6: 180.0, 8: 240.0}, 3, 23, 23, 5, 1e-4)
 DA4ML = measure.Row("da4ml quadratic", 12000, 3000, 20, 0, {6: 54.0, 8: 72.0}, 3, 8, 7, 1, 6e-4)
 NNGEN = measure.Row("NNgen", 10000, 6000, 6, 11, {6: 62.0, 8: 81.0}, 3, 600, 600, 600, 8e-3)
@@ -74,7 +73,7 @@ def test_row_takes_the_best_clock_of_each_speed():
 
 @pytest.mark.parametrize("name", jitter.C_FLAGS)
 def test_network_in_c_gives_the_forces_of_numpy(name, tmp_path):
-    q_m = design.workspace_positions(PARAMETERS, 100, 1)
+    q_m = design.workspace_positions(MACHINE, 100, 1)
     call_ns, nothing_ns, forces_n = jitter.run_c(jitter.compile_c(NETWORK, q_m, jitter.C_FLAGS[name], tmp_path), 100, 3)
     np.testing.assert_allclose(forces_n, NETWORK.forces(q_m), atol=1e-3)
     assert np.median(call_ns) >= np.median(nothing_ns) >= 0
@@ -110,7 +109,7 @@ def test_da4ml_verilog_equals_its_model_at_the_stated_latency(activation, cutoff
     from gravcomp_lab.peers import da4ml_peer
 
     name = f"da4ml-{activation.replace(' ', '-')}-{cutoff}"
-    folder, x = BUILD / "tb" / "peers" / name, design.normalised_inputs(NETWORK, PARAMETERS, 200, 3)
+    folder, x = BUILD / "tb" / "peers" / name, design.normalised_inputs(NETWORK, MACHINE, 200, 3)
     peer = da4ml_peer.generate(NETWORK, x, folder, activation=activation, cutoff=cutoff)
     expected = da4ml_peer.adder_graph(NETWORK, activation).predict(da4ml_peer.rounded(x)) * 2**da4ml_peer.FRACTION
     codes = np.rint(x * 2**da4ml_peer.FRACTION).astype(int)
@@ -123,7 +122,7 @@ def test_da4ml_error_is_that_of_its_fraction_bits():
     pytest.importorskip("da4ml", reason="da4ml is not installed; make peers installs it")
     from gravcomp_lab.peers import da4ml_peer
 
-    x = design.normalised_inputs(NETWORK, PARAMETERS, 200, 3)
+    x = design.normalised_inputs(NETWORK, MACHINE, 200, 3)
     outputs = da4ml_peer.adder_graph(NETWORK, "quadratic").predict(da4ml_peer.rounded(x))
     assert 2.0**-15 < np.abs(outputs - design.float_outputs(NETWORK, x, gamma)).max() < 16 * 2.0**-14
 
@@ -133,7 +132,7 @@ def test_nngen_verilog_equals_its_model(tmp_path):
     pytest.importorskip("nngen", reason="NNgen is not installed; make peers installs it")
     from gravcomp_lab.peers import nngen_peer
 
-    peer = nngen_peer.generate(NETWORK, design.normalised_inputs(NETWORK, PARAMETERS, 50, 3), tmp_path)
+    peer = nngen_peer.generate(NETWORK, design.normalised_inputs(NETWORK, MACHINE, 50, 3), tmp_path)
     assert 300 < peer.latency < 1000
     assert peer.error < 1e-2
 

@@ -8,11 +8,10 @@ import pytest
 from gravcomp.errors import InputError
 from gravcomp.prototype.body import Prototype
 from gravcomp.robot.spheiro.kinematics import PoseError, inverse_kinematics, passive_coordinates, passive_jacobian
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.statics import holding_forces
 from gravcomp.robot.spheiro.workspace import sample_workspace
+from machines import P
 
-P = load_parameters()
 POSES = sample_workspace(20, P, seed=20)
 
 

@@ -7,13 +7,12 @@ from codes import ROOT
 from gravcomp.core.formats import bits_for, partial_sum_interval, quantise
 from gravcomp.network.activation import gamma
 from gravcomp.network.weights import Network, load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.workspace import pose
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.bounds import fixed_point_error_mn, intervals
 from gravcomp_lab.simulated.poses import counts_at
+from machines import MACHINE, P
 
-P = load_parameters()
 SEED = 41
 
 
@@ -24,11 +23,11 @@ def network() -> Network:
 
 @pytest.fixture(scope="module")
 def fixed(network):
-    return quantise(network, P)
+    return quantise(network, MACHINE.drive)
 
 
 def test_core_stays_within_3_mn_rms_and_15_mn_of_the_float_network(network, fixed):
-    error_mn = fixed_point_error_mn(network, fixed, P, 20000, SEED)
+    error_mn = fixed_point_error_mn(network, fixed, MACHINE, 20000, SEED)
     assert np.sqrt((error_mn**2).mean()) <= 3.0
     assert np.abs(error_mn).max() <= 15.0
 
@@ -37,7 +36,7 @@ def test_whole_workspace_lies_inside_the_trained_range(fixed):
     """The corners of tilt and torsion, not just a sample: no pose of the workspace is clamped."""
     torsions = np.deg2rad([-P.torsion_max_deg, 0, P.torsion_max_deg])
     azimuth, torsion = np.meshgrid(np.linspace(0, 2 * np.pi, 721), torsions)
-    assert not bittrue.core(counts_at(pose(azimuth, np.deg2rad(P.tilt_max_deg), torsion), P), fixed).clamped.any()
+    assert not bittrue.core(counts_at(pose(azimuth, np.deg2rad(P.tilt_max_deg), torsion), MACHINE), fixed).clamped.any()
 
 
 def test_no_signal_overflows_for_any_count(fixed):
@@ -116,14 +115,15 @@ def test_offsets_and_unequal_scales_are_folded_without_loss():
         hidden_bias=rng.uniform(-1, 1, 7),
         output_weights=rng.uniform(-0.5, 0.5, (3, 7)),
         output_bias=rng.uniform(-0.1, 0.1, 3),
-        q_offset_m=np.array([0.03, -0.05, 0.01]),
-        q_scale_per_m=np.array([5.0, 8.0, 6.5]),
-        f_offset_n=np.array([20.0, -40.0, 60.0]),
-        f_scale_n=np.array([40.0, 70.0, 55.0]),
+        q_offset=np.array([0.03, -0.05, 0.01]),
+        q_scale=np.array([5.0, 8.0, 6.5]),
+        f_offset=np.array([20.0, -40.0, 60.0]),
+        f_scale=np.array([40.0, 70.0, 55.0]),
+        position_units=("m",) * 3,
     )
-    fixed = quantise(network, P)
+    fixed = quantise(network, MACHINE.drive)
     counts = rng.integers(fixed.count_low, fixed.count_high, (5000, 3))
-    error_mn = bittrue.core(counts, fixed).force_mn - 1000.0 * network.forces(counts * P.encoder_m_per_count)
+    error_mn = bittrue.core(counts, fixed).force_mn - 1000.0 * network.forces(counts * MACHINE.drive.unit_per_count)
     assert np.sqrt((error_mn**2).mean()) <= 3.0
     assert np.abs(error_mn).max() <= 15.0
     assert np.abs(error_mn.mean(axis=0)).max() <= 1.0, "a bias: something was not folded in"

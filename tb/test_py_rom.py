@@ -6,23 +6,23 @@ import pytest
 
 from codes import ROOT, fixed_network
 from gravcomp.cli import main
+from gravcomp.core.folder import folder_hash
 from gravcomp.core.vhdl.network_package import PACKAGE_FILE, stale_rom_files, write_rom
-from gravcomp.network.weights import HIDDEN_CSV, load_network, save_network, weights_hash
-from gravcomp.robot.spheiro.parameters import load_parameters
-
-SHIPPED = ROOT / "weights" / "spheiro"
+from gravcomp.network.weights import HIDDEN_CSV
+from gravcomp.robot.machine import load_machine
+from machines import SHIPPED, machine_folder
 
 
 def test_checked_in_rom_comes_from_the_shipped_weights():
-    assert stale_rom_files(SHIPPED, load_parameters(), ROOT / "rtl" / "generated") == []
+    assert stale_rom_files(SHIPPED, ROOT / "rtl" / "generated") == []
 
 
 @pytest.fixture
 def copy(tmp_path):
     """A weights folder, and the ROM made from it."""
     folder, generated = tmp_path / "weights", tmp_path / "generated"
-    save_network(load_network(SHIPPED), folder)
-    write_rom(folder, load_parameters(), generated)
+    machine_folder(folder)
+    write_rom(folder, generated)
     return folder, generated
 
 
@@ -43,7 +43,7 @@ def test_check_tells_a_rom_that_disagrees_with_its_csv(copy, capsys):
 def test_package_holds_the_hash_and_the_words_of_the_weights(copy):
     folder, generated = copy
     text = (generated / PACKAGE_FILE).read_text()
-    assert weights_hash(folder) in text
+    assert folder_hash(folder, load_machine(folder)) in text
     fixed = fixed_network()
     first_word = re.search(r'hidden_words_c .*?0 => b"([01_]+)"', text, re.DOTALL).group(1).split("_")
     codes = [int(bits, 2) - (bits[0] == "1") * 2 ** len(bits) for bits in first_word]

@@ -7,11 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from gravcomp.robot.spheiro.kinematics import PoseError, inverse_kinematics, jacobian
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.statics import holding_forces, holding_forces_at, potential_energy
 from gravcomp.robot.spheiro.workspace import sample_workspace
+from machines import P
 
-P = load_parameters()
 CYCLE = np.eye(3)[[2, 0, 1]]
 STEP_RAD = 1e-6
 

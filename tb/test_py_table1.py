@@ -3,18 +3,16 @@
 import numpy as np
 import pytest
 
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.training.training import workspace_set
 from gravcomp_lab.__main__ import main
 from gravcomp_lab.paper.table1 import PAPER, Row, markdown, plain_start, table1
-
-P = load_parameters()
+from machines import MACHINE
 
 
 @pytest.fixture(scope="module")
 def rows():
-    data, unseen = workspace_set(300, P, 1), workspace_set(300, P, 2)
-    return table1(data, unseen, P, n_starts=1, seed=1, backend="loky")
+    data, unseen = workspace_set(300, MACHINE.robot, 1), workspace_set(300, MACHINE.robot, 2)
+    return table1(data, unseen, MACHINE, n_starts=1, seed=1, backend="loky")
 
 
 def test_table_has_a_row_per_size_of_the_paper_and_two_for_tanh(rows):

@@ -9,7 +9,6 @@ from gravcomp.diagnosis.fit import Entry, Fit
 from gravcomp.network.activation import gamma
 from gravcomp.network.weights import load_network
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.workspace import sample_workspace
 from gravcomp_lab.__main__ import main
 from gravcomp_lab.paper.field import APPROACHES, hold_field
@@ -30,19 +29,19 @@ from gravcomp_lab.paper.table2 import (
     markdown,
     table2,
 )
+from machines import MACHINE, P
 
-P = load_parameters()
 NETWORK = load_network("weights/spheiro")
 
 
 @pytest.fixture(scope="module")
 def table():
-    return table2(P, NETWORK, 3, Sizes(training=60, test=30, motion=50, retraining=120))
+    return table2(MACHINE, NETWORK, 3, Sizes(training=60, test=30, motion=50, retraining=120))
 
 
 @pytest.fixture(scope="module")
 def outward():
-    return hold_field(P, sample_workspace(40, P, 1), "outward", 2)
+    return hold_field(MACHINE, sample_workspace(40, P, 1), "outward", 2)
 
 
 def rms(values):
@@ -81,14 +80,14 @@ def test_table_prints_the_papers_figures_and_what_was_found(table):
 
 
 def test_holds_are_the_same_for_the_same_seed_and_differ_for_another(outward):
-    again = hold_field(P, sample_workspace(40, P, 1), "outward", 2)
-    other = hold_field(P, sample_workspace(40, P, 1), "outward", 3)
+    again = hold_field(MACHINE, sample_workspace(40, P, 1), "outward", 2)
+    other = hold_field(MACHINE, sample_workspace(40, P, 1), "outward", 3)
     np.testing.assert_array_equal(again.force, outward.force)
     assert np.abs(other.force - outward.force).max() > 0.05
 
 
 def test_outward_approach_moves_away_from_home_and_a_random_one_does_not(outward):
-    random = hold_field(P, sample_workspace(40, P, 1), "random", 2)
+    random = hold_field(MACHINE, sample_workspace(40, P, 1), "random", 2)
     away = [np.mean(np.sum(data.v * data.q, axis=1) > 0) for data in (outward, random)]
     assert away[0] > 0.95
     assert 0.2 < away[1] < 0.8
@@ -96,9 +95,9 @@ def test_outward_approach_moves_away_from_home_and_a_random_one_does_not(outward
 
 def test_training_of_the_output_layer_is_least_squares_with_a_ridge(outward):
     tuned = fine_tune(NETWORK, outward.q, outward.force, 0.3, "output layer")
-    x = (outward.q - NETWORK.q_offset_m) * NETWORK.q_scale_per_m
+    x = (outward.q - NETWORK.q_offset) * NETWORK.q_scale
     act = np.c_[gamma(x @ NETWORK.hidden_weights.T + NETWORK.hidden_bias), np.ones(len(x))]
-    error = (outward.force - NETWORK.forces(outward.q)) / NETWORK.f_scale_n
+    error = (outward.force - NETWORK.forces(outward.q)) / NETWORK.f_scale
     step = np.linalg.solve(act.T @ act + 0.3 * np.eye(act.shape[1]), act.T @ error).T
     np.testing.assert_array_equal(tuned.hidden_weights, NETWORK.hidden_weights)
     np.testing.assert_allclose(tuned.output_weights - NETWORK.output_weights, step[:, :-1], atol=1e-10)
@@ -121,7 +120,7 @@ def test_training_on_noise_stays_near_the_network_it_started_from(way):
 
 def test_core_holds_the_statics_without_effects_and_adds_friction_with_them(outward):
     friction = Entry(Term(CoulombFriction(), (Parameter("fc", 0),)), {Parameter("fc", 0): 1.5}, {}, 0.0)
-    plain, rubbing = (build_core(Fit(e), outward, NETWORK, P, 150, 7) for e in ((), (friction,)))
+    plain, rubbing = (build_core(Fit(e), outward, NETWORK, MACHINE, 150, 7) for e in ((), (friction,)))
     assert isinstance(plain, FieldCore)
     assert rms(plain.forces(outward) - outward.nominal) < 0.3
     added = rubbing.forces(outward) - plain.forces(outward)

@@ -2,8 +2,6 @@
 
 import json
 import time
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +10,8 @@ from gravcomp.cli import main
 from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network, save_network
+from gravcomp.robot.machine import parse_machine
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.statics import holding_forces
 from gravcomp.robot.spheiro.workspace import pose
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, levenberg_marquardt
@@ -32,21 +30,27 @@ from gravcomp.training.training import (
     train,
     workspace_set,
 )
+from machines import MACHINE, SHIPPED, P, changed
 
-P = load_parameters()
-SHIPPED = Path(__file__).resolve().parents[1] / "weights" / "spheiro"
 SHORT = Effort(draws=2, tied_hops=2, hops=2, search_poses=100)
+
+
+def lopsided():
+    """A machine without symmetry."""
+    return parse_machine(
+        changed(("com_m = [0.03464101615137755, 0.03464101615137755", "com_m = [0.03, 0.04")), "lopsided"
+    )
 
 
 @pytest.fixture(scope="module")
 def small():
     """A small training set and the network trained on it."""
-    data = workspace_set(150, P, 1)
-    return data, *train(data, P, n_hidden=7, n_starts=2, seed=3, effort=SHORT)
+    data = workspace_set(150, MACHINE.robot, 1)
+    return data, *train(data, MACHINE, n_hidden=7, n_starts=2, seed=3, effort=SHORT)
 
 
 def test_scaling_covers_the_whole_workspace_and_little_more():
-    scaling = workspace_scaling(P)
+    scaling = workspace_scaling(MACHINE)
     azimuth = np.deg2rad(np.arange(0.0, 360.0, 0.3))[:, None, None]
     tilt = np.deg2rad([P.tilt_max_deg - 0.1, P.tilt_max_deg])[:, None]
     torsion = np.deg2rad(np.linspace(-P.torsion_max_deg, P.torsion_max_deg, 53))
@@ -54,24 +58,24 @@ def test_scaling_covers_the_whole_workspace_and_little_more():
     x, y = scaling.x(inverse_kinematics(edge, P)), scaling.y(holding_forces(edge, P))
     assert 0.99 < np.abs(x).max() < 1.0
     assert 0.99 < np.abs(y).max() <= 1.0
-    inside = workspace_set(20_000, P, 11)
-    assert np.abs(scaling.x(inside.q_m)).max() < np.abs(x).max()
-    assert np.abs(scaling.y(inside.f_n)).max() < np.abs(y).max()
+    inside = workspace_set(20_000, MACHINE.robot, 11)
+    assert np.abs(scaling.x(inside.q)).max() < np.abs(x).max()
+    assert np.abs(scaling.y(inside.f)).max() < np.abs(y).max()
 
 
 def test_nominal_robot_is_cyclic_and_a_lopsided_one_is_not():
-    assert is_cyclic(P)
-    assert not is_cyclic(replace(P, platform_com_m=np.array([0.03, 0.04, 0.03])))
+    assert is_cyclic(MACHINE.robot)
+    assert not is_cyclic(lopsided().robot)
 
 
 @pytest.mark.parametrize("n_hidden", [1, 3, 7, 20])
 def test_tied_network_turns_its_forces_with_the_axes(n_hidden):
     rng = np.random.default_rng(5)
-    tie = cyclic_tie(n_hidden)
+    tie = cyclic_tie(n_hidden, 3)
     parameters = rng.normal(size=tie.max() + 1)[tie]
     hidden, output = np.split(parameters, [4 * n_hidden])
-    network = as_network(hidden.reshape(n_hidden, 4), output.reshape(3, n_hidden + 1), workspace_scaling(P))
-    q_m = workspace_set(50, P, 6).q_m
+    network = as_network(hidden.reshape(n_hidden, 4), output.reshape(3, n_hidden + 1), workspace_scaling(MACHINE))
+    q_m = workspace_set(50, MACHINE.robot, 6).q
     np.testing.assert_allclose(
         network.forces(np.roll(q_m, 1, axis=1)), np.roll(network.forces(q_m), 1, axis=1), rtol=0, atol=1e-9
     )
@@ -80,16 +84,16 @@ def test_tied_network_turns_its_forces_with_the_axes(n_hidden):
 
 
 def test_cyclic_images_are_poses_of_the_same_robot():
-    data = workspace_set(20, P, 7)
-    images = cyclic_images(data.q_m)
+    data = workspace_set(20, MACHINE.robot, 7)
+    images = cyclic_images(data.q)
     assert len(images) == 60
-    np.testing.assert_array_equal(images[20:40], data.q_m[:, [2, 0, 1]])
+    np.testing.assert_array_equal(images[20:40], data.q[:, [2, 0, 1]])
 
 
 def test_training_repeats_itself_from_its_seed_and_differs_for_another(small):
     data, network, _ = small
-    again, _ = train(data, P, n_hidden=7, n_starts=2, seed=3, backend="threading", effort=SHORT)
-    other, _ = train(data, P, n_hidden=7, n_starts=2, seed=4, effort=SHORT)
+    again, _ = train(data, MACHINE, n_hidden=7, n_starts=2, seed=3, backend="threading", effort=SHORT)
+    other, _ = train(data, MACHINE, n_hidden=7, n_starts=2, seed=4, effort=SHORT)
     np.testing.assert_array_equal(again.hidden_weights, network.hidden_weights)
     np.testing.assert_array_equal(again.output_bias, network.output_bias)
     assert np.abs(other.hidden_weights - network.hidden_weights).max() > 1e-3
@@ -97,16 +101,16 @@ def test_training_repeats_itself_from_its_seed_and_differs_for_another(small):
 
 def test_trained_weights_are_exact_in_the_hardware_formats(small):
     data, network, fit = small
-    fixed = quantise(network, P)
+    fixed = quantise(network, MACHINE.drive)
     np.testing.assert_array_equal(fixed.hidden_weights * 2.0**-fixed.weight_fraction, network.hidden_weights)
     np.testing.assert_array_equal(fixed.output_weights * 2.0**-fixed.output_weight_fraction, network.output_weights)
-    free = as_network(fit.hidden, fit.output, workspace_scaling(P))
+    free = as_network(fit.hidden, fit.output, workspace_scaling(MACHINE))
     assert mean_square_error_n2(network, data) < 1.001 * mean_square_error_n2(free, data)
 
 
 def test_hops_lower_the_cost_and_respect_the_weight_limit(monkeypatch):
-    scaling, data = workspace_scaling(P), workspace_set(150, P, 1)
-    problem = Problem(scaling.x(data.q_m), scaling.y(data.f_n), 6, ACTIVATIONS["gamma"], None, RIDGE)
+    scaling, data = workspace_scaling(MACHINE), workspace_set(150, MACHINE.robot, 1)
+    problem = Problem(scaling.x(data.q), scaling.y(data.f), 6, ACTIVATIONS["gamma"], None, RIDGE)
     rng = np.random.default_rng(8)
     drawn = best_of_draws(problem, 5, rng)
     limit = 1.05 * np.abs(drawn.hidden[:, :-1]).max()
@@ -117,14 +121,14 @@ def test_hops_lower_the_cost_and_respect_the_weight_limit(monkeypatch):
 
 
 def test_one_start_reaches_0_02_within_thirty_cpu_seconds():
-    scaling, data = workspace_scaling(P), workspace_set(3500, P, 1)
-    x, y = scaling.x(data.q_m), scaling.y(data.f_n)
+    scaling, data = workspace_scaling(MACHINE), workspace_set(3500, MACHINE.robot, 1)
+    x, y = scaling.x(data.q), scaling.y(data.f)
     began = time.process_time()
     with one_blas_thread():
-        problem = Problem(x, y, 20, ACTIVATIONS["gamma"], cyclic_tie(20), RIDGE)
+        problem = Problem(x, y, 20, ACTIVATIONS["gamma"], cyclic_tie(20, 3), RIDGE)
         fit = levenberg_marquardt(problem, random_hidden(20, 3, np.random.default_rng(1)), Stop(steps=300))
     cpu_s = time.process_time() - began
-    mse_n2 = fit.mse * scaling.f_scale_n**2
+    mse_n2 = fit.mse * scaling.f_scale[0] ** 2
     print(f"one start: MSE {mse_n2:.4f} N^2 in {cpu_s:.1f} CPU seconds")
     assert mse_n2 <= 0.02
     assert cpu_s <= 30.0  # 15 s on two cores
@@ -132,13 +136,26 @@ def test_one_start_reaches_0_02_within_thirty_cpu_seconds():
 
 def test_command_writes_a_folder_that_loads_with_its_provenance(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("gravcomp.commands.train.Effort", lambda: SHORT)
-    arguments = ["--hidden", "7", "--starts", "1", "--poses", "60", "--seed", "5", "--out", str(tmp_path)]
+    arguments = [
+        "--robot",
+        str(SHIPPED),
+        "--hidden",
+        "7",
+        "--starts",
+        "1",
+        "--poses",
+        "60",
+        "--seed",
+        "5",
+        "--out",
+        str(tmp_path),
+    ]
     assert main(["train", *arguments]) == 0
     network = load_network(tmp_path)
     provenance = json.loads((tmp_path / "provenance.json").read_text())
     assert network.n_hidden == 7
-    assert provenance["data"]["sha256"] == workspace_set(60, P, 5).hash()
-    figures = evaluate(network, workspace_set(60, P, 5), workspace_set(8000, P, 6))
+    assert provenance["data"]["sha256"] == workspace_set(60, MACHINE.robot, 5).hash()
+    figures = evaluate(network, workspace_set(60, MACHINE.robot, 5), workspace_set(8000, MACHINE.robot, 6))
     assert provenance["metrics"] == pytest.approx(figures, rel=1e-12)
     assert "seed 5" in capsys.readouterr().out
 
@@ -146,24 +163,24 @@ def test_command_writes_a_folder_that_loads_with_its_provenance(tmp_path, monkey
 def test_shipped_weights_reach_their_figures_and_the_hardware_formats():
     network = load_network(SHIPPED)
     provenance = json.loads((SHIPPED / "provenance.json").read_text())
-    data = workspace_set(provenance["data"]["poses"], P, provenance["data"]["seed"])
-    unseen = workspace_set(N_TEST_POSES, P, provenance["data"]["test_seed"])
+    data = workspace_set(provenance["data"]["poses"], MACHINE.robot, provenance["data"]["seed"])
+    unseen = workspace_set(N_TEST_POSES, MACHINE.robot, provenance["data"]["test_seed"])
     figures = evaluate(network, data, unseen)
     assert data.hash() == provenance["data"]["sha256"]
     assert figures == pytest.approx(provenance["metrics"], rel=1e-9)
     assert figures["test_mse_n2"] <= 0.0075
-    fixed = quantise(network, P)
+    fixed = quantise(network, MACHINE.drive)
     np.testing.assert_array_equal(fixed.hidden_weights * 2.0**-fixed.weight_fraction, network.hidden_weights)
     np.testing.assert_array_equal(fixed.output_weights * 2.0**-fixed.output_weight_fraction, network.output_weights)
 
 
 def test_lopsided_robot_is_trained_without_symmetry(tmp_path):
-    lopsided = replace(P, platform_com_m=np.array([0.03, 0.04, 0.03]))
-    data = workspace_set(100, lopsided, 1)
-    network, fit = train(data, lopsided, n_hidden=6, n_starts=1, effort=SHORT)
+    machine = lopsided()
+    data = workspace_set(100, machine.robot, 1)
+    network, fit = train(data, machine, n_hidden=6, n_starts=1, effort=SHORT)
     save_network(network, tmp_path)
-    scaling = workspace_scaling(lopsided)
-    assert mean_square_error_n2(network, data) == pytest.approx(fit.mse * scaling.f_scale_n**2, rel=1e-2)
+    f_scale_n = workspace_scaling(machine).f_scale[0]
+    assert mean_square_error_n2(network, data) == pytest.approx(fit.mse * f_scale_n**2, rel=1e-2)
 
 
 @pytest.mark.parametrize(
@@ -174,12 +191,13 @@ def test_lopsided_robot_is_trained_without_symmetry(tmp_path):
         (["--poses", "0"], "0 poses"),
         (["--poses", "41"], "41 poses for 20 hidden neurons"),
         (["--seed", "-1"], "seed -1"),
-        (["--robot", "none.toml"], "none.toml"),
+        (["--robot", "none"], "none: no robot.toml"),
         (["--backend", "dask"], "dask"),
     ],
 )
 def test_bad_arguments_end_in_one_line_and_status_2(arguments, named, tmp_path, capfd):
-    assert main(["train", "--out", str(tmp_path), *arguments]) == 2
+    robot = [] if "--robot" in arguments else ["--robot", str(SHIPPED)]
+    assert main(["train", "--out", str(tmp_path), *robot, *arguments]) == 2
     last = capfd.readouterr().err.strip().splitlines()[-1]
     assert last.startswith("gravcomp train: ")
     assert named in last
@@ -188,7 +206,7 @@ def test_bad_arguments_end_in_one_line_and_status_2(arguments, named, tmp_path, 
 
 def test_unwritable_folder_is_an_input_error(tmp_path):
     (tmp_path / "file").write_text("")
-    network = train(workspace_set(60, P, 1), P, n_hidden=2, n_starts=1, effort=SHORT)[0]
+    network = train(workspace_set(60, MACHINE.robot, 1), MACHINE, n_hidden=2, n_starts=1, effort=SHORT)[0]
     with pytest.raises(InputError, match="cannot be written"):
         save_network(network, tmp_path / "file")
 

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from gravcomp.cli import main
+from gravcomp.core.folder import folder_hash
 from gravcomp.errors import InputError
 from gravcomp.network.activation import gamma
-from gravcomp.network.weights import Network, load_network, save_network, weights_hash
+from gravcomp.network.weights import Network, load_network, save_network
+from machines import MACHINE, machine_folder
 
 
 @pytest.fixture
@@ -17,17 +19,17 @@ def network() -> Network:
         hidden_bias=rng.normal(size=4),
         output_weights=rng.normal(size=(3, 4)),
         output_bias=rng.normal(size=3),
-        q_offset_m=rng.normal(size=3) * 0.01,
-        q_scale_per_m=np.array([6.0, 6.1, 6.2]),
-        f_offset_n=rng.normal(size=3) * 10,
-        f_scale_n=np.array([60.0, 61.0, 62.0]),
+        q_offset=rng.normal(size=3) * 0.01,
+        q_scale=np.array([6.0, 6.1, 6.2]),
+        f_offset=rng.normal(size=3) * 10,
+        f_scale=np.array([60.0, 61.0, 62.0]),
+        position_units=("m",) * 3,
     )
 
 
 @pytest.fixture
 def folder(network, tmp_path):
-    save_network(network, tmp_path)
-    return tmp_path
+    return machine_folder(tmp_path, network)
 
 
 def test_saved_network_is_read_back_in_full_precision(network, folder):
@@ -39,22 +41,22 @@ def test_saved_network_is_read_back_in_full_precision(network, folder):
 def test_forces_follow_the_equation(network):
     q = np.array([0.01, -0.02, 0.03])
     hidden = [
-        gamma(sum(w * (q[i] - network.q_offset_m[i]) * network.q_scale_per_m[i] for i, w in enumerate(row)) + bias)
+        gamma(sum(w * (q[i] - network.q_offset[i]) * network.q_scale[i] for i, w in enumerate(row)) + bias)
         for row, bias in zip(network.hidden_weights, network.hidden_bias, strict=True)
     ]
-    expected = network.f_offset_n + network.f_scale_n * (network.output_weights @ hidden + network.output_bias)
+    expected = network.f_offset + network.f_scale * (network.output_weights @ hidden + network.output_bias)
     np.testing.assert_allclose(network.forces(q), expected, rtol=1e-14)
 
 
 def test_hash_changes_with_any_file(folder):
-    before = weights_hash(folder)
+    before = folder_hash(folder, MACHINE)
     for name in ("hidden.csv", "output.csv", "scaling.csv"):
         path = folder / name
         text = path.read_text()
         path.write_text(text.replace("1", "2"))
-        assert weights_hash(folder) != before
+        assert folder_hash(folder, MACHINE) != before
         path.write_text(text)
-    assert weights_hash(folder) == before
+    assert folder_hash(folder, MACHINE) == before
 
 
 def edit(name, old, new):
@@ -89,7 +91,7 @@ def replace(name, content):
     return lambda folder: (folder / name).write_bytes(content)
 
 
-SCALING_HEADER = b"axis,q_offset_m,q_scale_per_m,f_offset_n,f_scale_n\n"
+SCALING_HEADER = b"axis,position_unit,q_offset,q_scale,f_offset,f_scale\n"
 DAMAGE = {
     "missing file": (lambda folder: (folder / "output.csv").unlink(), ["output.csv", "not found"]),
     "missing column": (edit("hidden.csv", "w_q2", "other"), ["hidden.csv", "row 0", "column w_q2", "missing"]),
@@ -104,16 +106,16 @@ DAMAGE = {
     "no rows": (replace("scaling.csv", SCALING_HEADER), ["scaling.csv", "no rows"]),
     "empty file": (replace("hidden.csv", b""), ["hidden.csv", "empty"]),
     "binary file": (replace("hidden.csv", b"\x89PNG\xff\xfe\x00"), ["hidden.csv", "not a CSV"]),
-    "zero scale": (cell("scaling.csv", 2, "q_scale_per_m", "0"), ["scaling.csv", "row 2", "column q_scale_per_m"]),
-    "negative scale": (cell("scaling.csv", 3, "f_scale_n", "-5"), ["scaling.csv", "row 3", "column f_scale_n"]),
+    "zero scale": (cell("scaling.csv", 2, "q_scale", "0"), ["scaling.csv", "row 2", "column q_scale"]),
+    "negative scale": (cell("scaling.csv", 3, "f_scale", "-5"), ["scaling.csv", "row 3", "column f_scale"]),
     "too large weight": (cell("hidden.csv", 4, "w_q3", "1e9"), ["hidden.csv", "row 4", "column w_q3", "1e+09"]),
     "too large output weight": (cell("output.csv", 1, "v_2", "-1e9"), ["output.csv", "row 1", "column v_2"]),
     "too large bias": (cell("hidden.csv", 2, "bias", "1e9"), ["hidden.csv", "row 2", "column bias"]),
     "beyond any float": (cell("hidden.csv", 1, "w_q1", "1e400"), ["hidden.csv", "row 1", "column w_q1", "'1e400'"]),
     "bias that overflows": (cell("hidden.csv", 2, "bias", "1e308"), ["hidden.csv", "row 2", "column bias"]),
-    "offset that overflows": (cell("scaling.csv", 2, "q_offset_m", "1e308"), ["scaling.csv", "row 2"]),
-    "scale that overflows": (cell("scaling.csv", 2, "f_scale_n", "1e308"), ["scaling.csv", "row 2", "f_scale_n"]),
-    "scale that vanishes": (cell("scaling.csv", 3, "f_scale_n", "5e-324"), ["scaling.csv", "row 3", "f_scale_n"]),
+    "offset that overflows": (cell("scaling.csv", 2, "q_offset", "1e308"), ["scaling.csv", "row 2"]),
+    "scale that overflows": (cell("scaling.csv", 2, "f_scale", "1e308"), ["scaling.csv", "row 2", "f_scale"]),
+    "scale that vanishes": (cell("scaling.csv", 3, "f_scale", "5e-324"), ["scaling.csv", "row 3", "f_scale"]),
     "semicolons": (
         lambda folder: (folder / "output.csv").write_text((folder / "output.csv").read_text().replace(",", ";")),
         ["output.csv", "row 0"],
@@ -123,10 +125,18 @@ DAMAGE = {
         lambda folder: ((folder / "hidden.csv").unlink(), (folder / "hidden.csv").mkdir()),
         ["hidden.csv", "not a CSV"],
     ),
-    "too large force": (cell("scaling.csv", 1, "f_scale_n", "1e9"), ["scaling.csv", "row 1", "column f_scale_n"]),
+    "unknown unit": (
+        cell("scaling.csv", 2, "position_unit", "mm"),
+        ["scaling.csv", "row 2", "column position_unit", "'mm'"],
+    ),
+    "unit of another axis": (
+        cell("scaling.csv", 3, "position_unit", "rad"),
+        ["scaling.csv", "row 3", "robot.toml says m"],
+    ),
+    "too large force": (cell("scaling.csv", 1, "f_scale", "1e9"), ["scaling.csv", "row 1", "column f_scale"]),
     "too wide range": (
-        cell("scaling.csv", 1, "q_scale_per_m", "1e-9"),
-        ["scaling.csv", "row 1", "column q_scale_per_m"],
+        cell("scaling.csv", 1, "q_scale", "1e-9"),
+        ["scaling.csv", "row 1", "column q_scale"],
     ),
 }
 

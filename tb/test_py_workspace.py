@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.robot.spheiro.workspace import CENTRE, pose, sample_workspace
-
-P = load_parameters()
+from machines import P
 
 
 def tilt_deg(rotation):

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from arm import arm_toml
 from gravcomp.core.vhdl.network_package import write_rom
-from gravcomp.network.weights import Network, save_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.network.weights import Network
+from machines import machine_folder
 from runner import simulate
 
 
@@ -16,10 +17,11 @@ def random_network(n_axes: int, n_hidden: int) -> Network:
         hidden_bias=rng.uniform(-1, 1, n_hidden),
         output_weights=rng.uniform(-1, 1, (n_axes, n_hidden)),
         output_bias=rng.uniform(-0.2, 0.2, n_axes),
-        q_offset_m=rng.uniform(-0.05, 0.05, n_axes),
-        q_scale_per_m=rng.uniform(5, 8, n_axes),
-        f_offset_n=rng.uniform(-50, 50, n_axes),
-        f_scale_n=rng.uniform(40, 70, n_axes),
+        q_offset=rng.uniform(-0.05, 0.05, n_axes),
+        q_scale=rng.uniform(5, 8, n_axes),
+        f_offset=rng.uniform(-50, 50, n_axes),
+        f_scale=rng.uniform(40, 70, n_axes),
+        position_units=("rad",) * n_axes,
     )
 
 
@@ -28,8 +30,8 @@ def random_network(n_axes: int, n_hidden: int) -> Network:
 )
 def test_core_takes_its_sizes_from_the_rom(n_axes, n_hidden, lanes, tmp_path):
     folder, generated = tmp_path / "weights", tmp_path / "generated"
-    save_network(random_network(n_axes, n_hidden), folder)
-    write_rom(folder, load_parameters(), generated)
+    machine_folder(folder, random_network(n_axes, n_hidden), arm_toml(n_axes))
+    write_rom(folder, generated)
     simulate(
         "gc_core",
         "test_rtl_core",

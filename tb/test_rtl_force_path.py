@@ -18,10 +18,10 @@ from codes import fixed_compensation, fixed_network, pack, unpack, vhdl_constant
 from compensated import compensated_weights
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS, FORCE_BITS
 from gravcomp.core.vhdl.network_package import write_rom
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
 from gravcomp_lab.simulated.poses import motion, pose_sets
+from machines import MACHINE
 from runner import BENCHES, BUILD, simulate
 
 RESULTS = BUILD / "sim"
@@ -148,7 +148,7 @@ def check_and_save(name: str, sets: list[str], counts: np.ndarray, answers: list
 
 @cocotb.test()
 async def poses(dut):
-    sets = pose_sets(load_parameters())
+    sets = pose_sets(MACHINE)
     names = [name for name, counts in sets.items() for _ in counts]
     counts = np.concatenate(list(sets.values()))
     bench, answers, began = Bench(dut), [], time.perf_counter()
@@ -165,7 +165,7 @@ async def poses(dut):
 @cocotb.test()
 async def continuous_motion(dut):
     name, n_poses = os.environ["RUN"], int(os.environ["POSES"])
-    counts = motion(load_parameters(), n_poses, float(os.environ["START_S"]))
+    counts = motion(MACHINE, n_poses, float(os.environ["START_S"]))
     bench, answers = Bench(dut), []
     await bench.start()
     await bench.home_near(counts[0])
@@ -206,7 +206,7 @@ async def end_of_the_trained_range(dut):
 @cocotb.test()
 async def forces_that_do_not_fit(dut):
     """Friction that takes a force past 24 bits saturates the command and flags it, though the network's force fits."""
-    counts = motion(load_parameters(), 3, 0.18)[::-1]  # upwards: friction adds to the force
+    counts = motion(MACHINE, 3, 0.18)[::-1]  # upwards: friction adds to the force
     bench, answers = Bench(dut), []
     await bench.start()
     await bench.home_near(counts[0])
@@ -262,7 +262,7 @@ def test_top_flags_a_force_that_friction_takes_past_its_format(tmp_path):
     folder = compensated_weights(tmp_path, clock + "1,mu,0.999\n2,mu,0.999\n3,mu,0.999\n")
     scaling = (folder / "scaling.csv").read_text().replace("58.5,71.5", "5000,2000")  # 3 to 7 kN; 8.4 kN fit
     (folder / "scaling.csv").write_text(scaling)
-    write_rom(folder, load_parameters(), folder / "generated")
+    write_rom(folder, folder / "generated")
     simulate_top(
         "forces_that_do_not_fit",
         generics={"lanes_g": 4},

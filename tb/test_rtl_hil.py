@@ -16,9 +16,9 @@ from tqdm import tqdm
 from codes import pack, unpack
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS
 from gravcomp.prototype.body import TIME_STEP_S
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp_lab.hil.plant import BrakedPrototype, Pid
 from gravcomp_lab.hil.runs import FULL, SHORT, STILL_RADPS, Fault, Log, Run, load, rms, save, stop_after
+from machines import MACHINE, P
 from runner import BENCHES, BUILD, simulate
 from test_rtl_system import ALL_FAULTS, N_AXES, System
 
@@ -57,7 +57,7 @@ class Loop:
     """Physics and gc_system, a control period at a time."""
 
     def __init__(self, dut, run: Run):
-        self.dut, self.run, self.p = dut, run, load_parameters()
+        self.dut, self.run, self.p, self.drive = dut, run, P, MACHINE.drive
         self.system = System(dut)
         self.robot = BrakedPrototype(self.p, run.target_m(0.0, self.p), run.closing_s)
         self.pid = Pid()
@@ -67,7 +67,7 @@ class Loop:
         self.rows: list[tuple] = []
 
     def counts(self) -> np.ndarray:
-        return np.rint(self.robot.q_m / self.p.encoder_m_per_count).astype(np.int64)
+        return self.drive.counts(self.robot.q_m)
 
     async def start(self) -> None:
         """Home, tick, enable, and step until the brakes open."""
@@ -84,7 +84,7 @@ class Loop:
         target_m, still_m = self.run.target_m(0.0, self.p), self.robot.q_m
         for _ in range(MOST_STEPS_TO_RELEASE):
             if self.is_released.all():
-                assert np.abs(self.robot.q_m - still_m).max() < self.p.encoder_m_per_count, "moved against its brakes"
+                assert (np.abs(self.robot.q_m - still_m) < self.drive.unit_per_count).all(), "moved against its brakes"
                 return
             await self.step(target_m)
         raise AssertionError("the brakes do not open")
@@ -101,7 +101,7 @@ class Loop:
             await self.inject(fault)
         await Timer(ends_fs - READ_FS - round(get_sim_time("fs")), "fs")
         await self.system.registers.read("result_number")
-        reading_m = np.array(await self.system.registers.read_axes("position_now")) * self.p.encoder_m_per_count
+        reading_m = self.drive.positions(np.array(await self.system.registers.read_axes("position_now")))
         await self.system.registers.write("command", 2)
         await Timer(ends_fs - round(get_sim_time("fs")), "fs")  # ValueError when the host was too slow
         self.take_commands(target_m - reading_m)
@@ -117,7 +117,7 @@ class Loop:
         """New forces from the drives' pins and the PID, which rests while brakes are engaged or drives are off."""
         dut = self.dut
         current_ua = unpack([int(dut.drive_current.value)], CURRENT_BITS, N_AXES)[0]
-        self.core_n = self.run.uses_core * current_ua / 1e6 * self.p.thrust_constant_n_per_a
+        self.core_n = self.run.uses_core * current_ua / 1e6 * self.drive.effort_per_ampere
         self.is_released = np.array([int(dut.brake_release.value) >> i & 1 for i in range(N_AXES)], bool)
         if dut.drive_enable.value == 1 and self.is_released.all():
             assert dut.busy.value == 0, "the robot outruns its encoders"

@@ -12,15 +12,15 @@ from cocotb.task import bridge, resume
 
 from axi import SimulatedBus
 from c_host import CHost, compile_host
-from codes import ROOT, fixed_network, pack, weights_under_test
+from codes import ROOT, fixed_network, hash_under_test, pack
 from gravcomp.cli import main
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.driver.host import Brakes, Event, Host, Identity, Result, Settings, State
 from gravcomp.driver.registers import read_registers
-from gravcomp.network.weights import weights_hash
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
 from loading import image_of, other_weights
+from machines import SHIPPED
 from runner import BENCHES, BUILD, simulate
 from test_rtl_system import System
 
@@ -32,7 +32,7 @@ SHORT_IMAGE = bytes(range(256)) * 2
 SPEED_TIMEOUT = 100  # clocks to standstill
 STILL = 2**31 - 1  # speed_period then
 SETTINGS = Settings(
-    expected_weights=int(weights_hash(weights_under_test())[:8], 16),
+    expected_weights=int(hash_under_test()[:8], 16),
     index_position=tuple(INDEX.tolist()),
     index_period=(0, 4000, 400),
     margin_counts=100,
@@ -223,7 +223,7 @@ def test_host_waits_for_a_slow_core():
 def test_host_example_loads_homes_releases_and_prints_forces():
     folder = other_weights(BUILD / "host" / "weights")
     image, path = image_of(folder), folder / "image.bin"
-    assert main(["image", "--weights", str(folder), "--out", str(path)]) == 0
+    assert main(["image", "--weights", str(folder), "--rom", str(SHIPPED), "--out", str(path)]) == 0
     simulate_host("example", IMAGE=str(path))
     log = next(BUILD.glob("tb/test_rtl_host-example-lanes_g1-*/run.log")).read_text()
     assert f"image of {len(image.words)} words, CRC-32 {image.crc32:08x}" in log

@@ -5,7 +5,6 @@
 
 import os
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -29,11 +28,10 @@ from gravcomp.loop.loop import (
     generated_folder,
     weights_folder,
 )
-from gravcomp.robot.spheiro.parameters import load_parameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp.training.training import workspace_set
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
+from machines import MACHINE
 from runner import simulate
 from stream import start, stream
 
@@ -93,25 +91,24 @@ def test_loop_refuses_data_of_another_robot(tmp_path):
         "t_s,q1_m,v1_mps,f1_n,fm1_n\n" + "".join(f"{k},{k / 99},1,2,2\n" for k in range(40))
     )
     with pytest.raises(InputError, match=r"log[.]csv: not of the robot of"):
-        check_robot(read_measurement(tmp_path / "log.csv", load_parameters()), ROOT / "weights" / "spheiro")
+        check_robot(read_measurement(tmp_path / "log.csv", MACHINE), ROOT / "weights" / "spheiro")
 
 
 @pytest.mark.slow
 def test_loop_brings_found_effects_into_the_rtl(tmp_path):
     """Payload into the network, friction into the compensator: the RTL's error falls to noise and quantisation."""
-    p, rng = load_parameters(), np.random.default_rng(8)
-    pose = workspace_set(160, p, 3)
-    v = rng.uniform(5e-4, 1e-2, pose.q_m.shape) * rng.choice([-1, 1], pose.q_m.shape)
-    at = partial(holding_forces_at, p=p)
+    robot, rng = MACHINE.robot, np.random.default_rng(8)
+    pose = workspace_set(160, robot, 3)
+    v = rng.uniform(5e-4, 1e-2, pose.q.shape) * rng.choice([-1, 1], pose.q.shape)
     t_s = np.arange(len(v), dtype=float)
-    data = Measurement("test", t_s, pose.q_m, v, pose.f_n, pose.f_n, "N", ("m",) * 3, force_at=at, robot=p)
+    data = Measurement("test", t_s, pose.q, v, pose.f, pose.f, "N", ("m",) * 3, force_at=robot.forces, robot=robot)
     effects = [
         ("payload", {"moment_x": 0.1, "moment_y": -0.05, "moment_z": 0.08}),
         ("coulomb_friction", {"fc_1": 1.5, "fc_2": 2.0, "fc_3": 1.0}),
     ]
-    model = Model(robot=p, effects=effects)
+    model = Model(MACHINE, effects)
     found = found_in(data, model, 0.1 * rng.standard_normal(v.shape))
-    closed = close_loop(found, model, ROOT / "weights" / "spheiro", tmp_path, 0)
+    closed = close_loop(found, model, ROOT / "weights" / "spheiro", tmp_path, 0, "a test", {})
     assert (closed.placement.in_network, closed.placement.in_compensator) == (["payload"], ["coulomb_friction"])
     for run in RUNS:
         simulate_loop(tmp_path, run)

@@ -12,11 +12,10 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, with_timeout
 from cocotb.utils import get_sim_time
 
 from axi import BusError, Registers, SimulatedBus
-from codes import fixed_compensation, fixed_network, pack, unpack, weights_under_test
+from codes import fixed_compensation, fixed_network, hash_under_test, pack, unpack
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.core.image import Image
 from gravcomp.driver.host import Host, Result, Settings
-from gravcomp.network.weights import weights_hash
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
 from gravcomp.twin.safety import Cause
@@ -89,7 +88,7 @@ class System:
     async def configure(self, **changes: int) -> None:
         """Limits that nothing here exceeds, and the hash that the core has."""
         values = {
-            "expected_weights": int(weights_hash(weights_under_test())[:8], 16),
+            "expected_weights": int(hash_under_test()[:8], 16),
             "current_limit_ua": 10_000_000,
             "current_slew_ua": 10_000_000,
             "period_min_clocks": 8,
@@ -158,7 +157,7 @@ def assert_bit_true(result: dict[str, np.ndarray], constants: Image | None = Non
 
 def hardware_values() -> dict[str, list[int]]:
     """What read-only registers hold after reset where that is not zero."""
-    fixed, digest = fixed_network(), weights_hash(weights_under_test())
+    fixed, digest = fixed_network(), hash_under_test()
     return {
         "geometry": [3 | fixed.n_hidden << 8 | 3 << 16 | 1 << 24],
         "clock_hz": [40_000_000],
@@ -226,7 +225,7 @@ async def bus_that_stalls(dut):
     system.registers.pause(lambda: (bool(rng.random() < 0.6) for _ in itertools.count()))
     hashes = cocotb.start_soon(read_hash(system.registers))
     await holds_what_is_written(system.registers, rng)
-    digest = weights_hash(weights_under_test())
+    digest = hash_under_test()
     assert await hashes == [digest] * 6
 
 

@@ -11,9 +11,13 @@ library ieee;
 
 package gc_network_pkg is
 
-  -- SHA-256 of hidden.csv, output.csv and scaling.csv, one after the other.
+  -- SHA-256 of all that this package and gc_compensation_pkg depend on: clock, axes and activation in robot.toml,
+  -- hidden.csv, output.csv, scaling.csv, compensation.csv.
   constant weights_hash_c : std_ulogic_vector(255 downto 0) :=
-    x"d90c214ef8a8c53838abfd5b11879aef708dc7dea724919f2e7d7d421f334d00";
+    x"cfaace90844c2d15e4b51e4c459c11edf80fd4c423f41ecf9a326ccd37c2f755";
+
+  -- Hz of the core's clock: the tables of friction hold for this one.
+  constant clock_hz_c : positive := 40000000;
 
   -- Sizes.
   constant inputs_c  : positive := 3;
@@ -58,11 +62,12 @@ package gc_network_pkg is
   constant output_bias_c            : signed(113 downto 0) :=
     b"11111110111000010100101101001101011110_00000001001101011010011011011111001110_11111110110100010010011001100010111100";
 
-  -- Output: scale y to mN, and mN to uA by 1/K_t.
+  -- Output: scale y to mN, and mN to uA by the 1/K_t of each axis.
   constant output_scale_c           : signed(53 downto 0) :=
     b"010001011101001100_010001011101001100_010001011101001100";
   constant output_scale_fraction_c  : natural  := 16;
-  constant current_scale_c          : positive := 91022;
+  constant current_scale_c          : signed(53 downto 0) :=
+    b"010110001110001110_010110001110001110_010110001110001110";
   constant current_scale_fraction_c : positive := 12;
 
   -- Words of the weight ROMs, one per neuron.

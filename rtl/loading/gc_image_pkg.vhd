@@ -43,12 +43,12 @@ package gc_image_pkg is
     input_scale   : signed(inputs_c * operand_bits_c - 1 downto 0);
     output_bias   : signed(outputs_c * output_sum_bits_c - 1 downto 0);
     output_scale  : signed(outputs_c * operand_bits_c - 1 downto 0);
-    current_scale : operand_t;
+    current_scale : signed(outputs_c * operand_bits_c - 1 downto 0);
     phase_step    : signed(outputs_c * phase_step_bits_c - 1 downto 0);
   end record scalars_t;
 
-  constant scalar_bits_c : positive := inputs_c * (2 * count_bits_c + 3 * operand_bits_c) + operand_bits_c
-                                       + outputs_c * (output_sum_bits_c + operand_bits_c + phase_step_bits_c);
+  constant scalar_bits_c : positive := inputs_c * (2 * count_bits_c + 3 * operand_bits_c)
+                                       + outputs_c * (output_sum_bits_c + 2 * operand_bits_c + phase_step_bits_c);
 
   constant rom_scalars_c : scalars_t :=
   (
@@ -59,7 +59,7 @@ package gc_image_pkg is
     input_scale   => input_scale_c,
     output_bias   => output_bias_c,
     output_scale  => output_scale_c,
-    current_scale => to_signed(current_scale_c, operand_bits_c),
+    current_scale => current_scale_c,
     phase_step    => flat(phase_step_c)
   );
 

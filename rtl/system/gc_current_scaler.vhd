@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 --
--- i = f / K_t: forces to motor currents, by one multiplication and rounding.
+-- i = f / K_t with the K_t of each axis: forces to motor currents, by one multiplication and rounding.
 --
 -- Formats: 24 bits, mN -> 32 bits, uA. Latency: 3 clocks. Overflow: cannot happen.
 -- Not part of the network's budget of operations.
@@ -57,7 +57,7 @@ begin
         rst         => rst,
         in_valid    => in_valid,
         in_a        => in_force((i + 1) * force_bits_c - 1 downto i * force_bits_c),
-        in_b        => scalars.current_scale,
+        in_b        => scalars.current_scale((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
         out_valid   => valid_2(i),
         out_product => product_2
       );

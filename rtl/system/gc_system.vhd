@@ -20,7 +20,7 @@ entity gc_system is
   generic (
     -- Neurons per clock; must divide the hidden size.
     lanes_g           : positive := 4;
-    -- Hz of clk: for the host to read, nothing here depends on it.
+    -- Hz of clk: that of the ROM, whose friction holds for it.
     clock_hz_g        : positive := 40_000_000;
     -- Clocks that an encoder level must last, 0 = no filter.
     filter_samples_g  : natural := 4;
@@ -106,6 +106,11 @@ begin
   assert inputs_c = axes_c and outputs_c = axes_c
     report "gc_system: need a network of " & integer'image(axes_c) & " axes, got " & integer'image(inputs_c) & " and "
            & integer'image(outputs_c)
+    severity failure;
+
+  assert clock_hz_g = clock_hz_c
+    report "gc_system: need the clock of the ROM, " & integer'image(clock_hz_c) & " Hz, got "
+           & integer'image(clock_hz_g)
     severity failure;
 
   axi_rst <= not s_axi_aresetn;

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from gravcomp.errors import InputError
 
 # In the order of the work.
-COMMANDS = ("train", "formats", "rom", "image", "diagnose", "loop", "loop-report", "measure", "import")
+COMMANDS = ("train", "adopt", "formats", "rom", "image", "diagnose", "loop", "loop-report", "measure", "import")
 
 
 class _OneLineParser(argparse.ArgumentParser):

@@ -4,7 +4,7 @@
 module bank_switch #(
     parameter BIAS_BITS = 38,
     parameter PHASE_BITS = 25,
-    parameter SCALAR_BITS = 3 * (2 * 32 + 3 * 18 + BIAS_BITS + 18 + PHASE_BITS) + 18,
+    parameter SCALAR_BITS = 3 * (2 * 32 + 5 * 18 + BIAS_BITS + PHASE_BITS),
     parameter [SCALAR_BITS-1:0] ROM = 0
 ) (
     input clk,
@@ -29,7 +29,7 @@ module bank_switch #(
   wire [95:0] in_count_low, in_count_high, count_low, count_high;
   wire [53:0] in_x_low, in_x_high, in_input_scale, in_output_scale, x_low, x_high, input_scale, output_scale;
   wire [3*BIAS_BITS-1:0] in_output_bias, output_bias;
-  wire [17:0] in_current_scale, current_scale;
+  wire [53:0] in_current_scale, current_scale;
   wire [3*PHASE_BITS-1:0] in_phase_step, phase_step;
 
   assign {in_phase_step, in_current_scale, in_output_scale, in_output_bias, in_input_scale, in_x_high, in_x_low,

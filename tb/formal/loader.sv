@@ -7,7 +7,7 @@ module loader #(
     parameter [16*SECTIONS-1:0] WORDS = 0,
     parameter BIAS_BITS = 38,
     parameter PHASE_BITS = 25,
-    parameter SCALAR_BITS = 3 * (2 * 32 + 3 * 18 + BIAS_BITS + 18 + PHASE_BITS) + 18
+    parameter SCALAR_BITS = 3 * (2 * 32 + 5 * 18 + BIAS_BITS + PHASE_BITS)
 ) (
     input clk,
     input rst,
@@ -32,7 +32,7 @@ module loader #(
   wire [95:0] count_low, count_high;
   wire [53:0] x_low, x_high, input_scale, output_scale;
   wire [3*BIAS_BITS-1:0] output_bias;
-  wire [17:0] current_scale;
+  wire [53:0] current_scale;
   wire [3*PHASE_BITS-1:0] phase_step;
   (* hierconn *) wire [SECTIONS:0] \dut.section ;
   (* hierconn *) wire [15:0] \dut.index , \dut.word ;

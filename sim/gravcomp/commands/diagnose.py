@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from gravcomp.diagnosis.diagnosis import diagnose
+from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
 from gravcomp.diagnosis.model import Model, load_model, model_toml
 from gravcomp.diagnosis.report import report, report_json, table, words
 from gravcomp.diagnosis.report_html import report_html
@@ -22,7 +22,9 @@ _STEPS = 7
 def add_arguments(parser):
     parser.add_argument("data", type=Path, help="measured CSV")
     parser.add_argument("--out", type=Path, required=True, help="folder for report.json, model.toml, report.html")
-    parser.add_argument("--model", type=Path, help="model.toml to start from; default: the nominal robot")
+    parser.add_argument(
+        "--robot", type=Path, metavar="FOLDER", help="machine folder, or a model.toml; needless with fm columns"
+    )
     parser.add_argument("--seed", type=seed, default=0, help="draws the held-out blocks (default 0)")
     parser.add_argument("--units", nargs="+", default=[], metavar="NAME=SIZE",
                         help="size of the machine's own units: permille=0.05nm counts=1e-6m")  # fmt: skip
@@ -42,10 +44,14 @@ def seed(text: str) -> int:
 
 
 def run(arguments):
-    """Returns the diagnosis and the model with what was found."""
+    diagnose_log(arguments, arguments.robot)
+
+
+def diagnose_log(arguments, robot: Path | None) -> tuple[Diagnosis, Model]:
+    """Diagnose a log, write its report to a folder and print it; the diagnosis, and the model with what was found."""
     check_folder(arguments.out)
-    model = load_model(arguments.model) if arguments.model else Model()
-    data = read_measurement(arguments.data, model.robot, parse_units(arguments.units))
+    model = load_model(robot) if robot else Model()
+    data = read_measurement(arguments.data, model.machine, parse_units(arguments.units))
     with tqdm(total=_STEPS, desc="diagnose", delay=2, leave=False, disable=None) as bar:
 
         def tick(what: str) -> None:

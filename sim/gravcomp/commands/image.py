@@ -1,21 +1,19 @@
-"""Write the image of a weights folder: all constants of a core that is built, to be loaded into it at run time."""
+"""Write the image of a machine folder: all constants of a core that is built, to be loaded into it at run time."""
 
 from pathlib import Path
 
 from gravcomp.core.image import load_image
 from gravcomp.files import write_atomically
-from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, load_parameters
 
 
 def add_arguments(parser):
-    parser.add_argument("--weights", type=Path, required=True, help="folder of CSV files")
-    parser.add_argument("--rom", type=Path, default=Path("weights/spheiro"), help="folder that the core was built with")
-    parser.add_argument("--robot", type=Path, default=NOMINAL_TOML, help="robot parameters (encoder, thrust constant)")
+    parser.add_argument("--weights", type=Path, required=True, help="machine folder")
+    parser.add_argument("--rom", type=Path, required=True, help="machine folder that the core was built with")
     parser.add_argument("--out", type=Path, required=True, help="file of little-endian 32-bit words")
 
 
 def run(arguments):
-    image = load_image(arguments.weights, arguments.rom, load_parameters(arguments.robot))
+    image = load_image(arguments.weights, arguments.rom)
     write_atomically(arguments.out, image.data)
     print(f"{arguments.out}: {len(image.words)} words, CRC-32 0x{image.crc32:08X}, written from {arguments.weights}; "
           f"{image.precision}")  # fmt: skip

@@ -2,47 +2,41 @@
 
 Writes report.json, model.toml and report.html as diagnose does, and before/ and after/ for the RTL, which then runs
 on the held-out samples (tb/test_rtl_loop.py); loop-report prints the errors. `make loop` does all three. after/weights
-is a weights folder as any other, and is copied to the folder of --save.
+is a machine folder as any other, and is copied to the folder of --save: the next loop starts from it.
 """
 
 import hashlib
 from pathlib import Path
 
-from gravcomp.commands import diagnose as diagnose_command
-from gravcomp.core.provenance import write_provenance
-from gravcomp.diagnosis.model import Model, load_model
-from gravcomp.diagnosis.report import report
+from gravcomp.commands.diagnose import diagnose_log, seed
 from gravcomp.files import write_all_atomically
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.units import parse_units
 from gravcomp.loop.loop import check_robot, close_loop, weights_folder
+from gravcomp.robot.machine import load_machine
 
 
 def add_arguments(parser):
     parser.add_argument("data", type=Path, help="measured CSV of the robot")
-    parser.add_argument("--model", type=Path, help="the robot's TOML, or a model.toml; default: the nominal robot")
-    parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="network of that model")
+    parser.add_argument("--weights", type=Path, required=True, metavar="FOLDER", help="machine folder of the robot")
     parser.add_argument("--out", type=Path, default=Path("build/loop"), help="folder (default %(default)s)")
-    parser.add_argument("--save", type=Path, help="weights folder to keep the result in, for make rom WEIGHTS=...")
-    parser.add_argument("--seed", type=diagnose_command.seed, default=0, help="of held-out blocks, training poses")
+    parser.add_argument("--save", type=Path, metavar="FOLDER", help="machine folder to keep the result in")
+    parser.add_argument("--seed", type=seed, default=0, help="of held-out blocks and training poses (default 0)")
     parser.add_argument("--units", nargs="+", default=[], metavar="NAME=SIZE", help="as in diagnose")
     parser.add_argument("--holdout", choices=("blocks", "reverse", "last"), default="blocks", help="as in diagnose")
 
 
 def run(arguments):
-    model = load_model(arguments.model) if arguments.model else Model()
-    check_robot(read_measurement(arguments.data, model.robot, parse_units(arguments.units)), arguments.weights)
-    found, grown = diagnose_command.run(arguments)
-    closed = close_loop(found, grown, arguments.weights, arguments.out, arguments.seed)
-    result = weights_folder(arguments.out, "after")
-    content = report(found)
-    write_provenance(
-        result,
-        command=f"gravcomp loop {arguments.data} --weights {arguments.weights} --seed {arguments.seed} "
-        f"--holdout {arguments.holdout}" + (f" --model {arguments.model}" if arguments.model else ""),
-        data={"log": arguments.data.name, "sha256": hashlib.sha256(arguments.data.read_bytes()).hexdigest()},
-        metrics={f"model_{when}": content[when] for when in ("before", "after")},
+    machine, units = load_machine(arguments.weights), parse_units(arguments.units)
+    check_robot(read_measurement(arguments.data, machine, units), arguments.weights)
+    found, grown = diagnose_log(arguments, arguments.weights)
+    command = (
+        f"gravcomp loop {arguments.data} --weights {arguments.weights} --seed {arguments.seed} "
+        f"--holdout {arguments.holdout}"
     )
+    log = {"log": arguments.data.name, "sha256": hashlib.sha256(arguments.data.read_bytes()).hexdigest()}
+    closed = close_loop(found, grown, arguments.weights, arguments.out, arguments.seed, command, log)
+    result = weights_folder(arguments.out, "after")
     if arguments.save:
         write_all_atomically({arguments.save / path.name: path.read_bytes() for path in result.iterdir()})
         result = arguments.save

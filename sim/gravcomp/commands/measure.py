@@ -8,7 +8,7 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.prototype.experiment import DEFAULT_NOISE_N, MODES, measure, write_measurement
 from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED, Effect
-from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, load_parameters
+from gravcomp.robot.machine import load_machine
 
 # Inertia is asked for by name, with a --speed that shows it.
 RANDOM = {"random": [name for name in LISTED if name != "inertia"], "random_unlisted": UNLISTED}
@@ -28,17 +28,17 @@ def add_arguments(parser):
     parser.add_argument("--noise", type=float, default=DEFAULT_NOISE_N, help="of the currents, N RMS (default 0.1)")
     parser.add_argument("--speed", type=float, default=1.0, help="of the motion; 1 (default) is 10 mm/s at most")
     parser.add_argument("--temperature", action="store_true", help="log the motors' temperature too")
-    parser.add_argument("--robot", default=NOMINAL_TOML, metavar="TOML", help="robot parameters (default: Sphe.I.Ro.)")
+    parser.add_argument("--robot", required=True, metavar="FOLDER", help="machine folder, of kind spheiro")
 
 
 def run(arguments):
     if arguments.seed < 0 or not 0 <= arguments.noise < np.inf or not 0 < arguments.speed <= 100:
         raise InputError("--seed and --noise must not be negative or infinite, --speed must be in 0..100; correct them")
-    p = load_parameters(arguments.robot)
+    machine = load_machine(arguments.robot)
     rng = np.random.default_rng([arguments.seed, 1])
     effects = [effect for text in arguments.effect or ["none"] for effect in parse_effect(text, rng)]
     log = measure(
-        p,
+        machine,
         effects,
         arguments.points,
         arguments.seed,
@@ -47,7 +47,7 @@ def run(arguments):
         speed=arguments.speed,
     )
     facts = {name: getattr(arguments, name) for name in ("seed", "mode", "speed", "temperature")}
-    sealed = write_measurement(arguments.out, log, effects, p, noise_n=arguments.noise, **facts)
+    sealed = write_measurement(arguments.out, log, effects, machine, noise_n=arguments.noise, **facts)
     print(f"{arguments.out}: {arguments.points} samples, mode {arguments.mode}, seed {arguments.seed}")
     print(f"{sealed}: the answer; open it after the diagnosis")
 

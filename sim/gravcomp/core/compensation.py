@@ -3,7 +3,6 @@
 A row is ``axis,name,value``; axis is 1, 2, 3 ... or ``all``; what isn't named is zero; ``#`` starts a comment line.
 Without the file every constant is zero and the compensator is transparent. Names, their units at the end:
 
-    clock_hz                of the FPGA, for all axes: speed comes as clocks per 4 counts
     fc_pos_n, fc_neg_n      Coulomb friction when moving up and down
     stribeck_n, vs_mps      what static friction adds, and the speed at which it fades: stribeck_n exp(-(v/vs)^2)
     b_pos_ns_per_m, b_neg_ns_per_m  viscous friction, likewise
@@ -28,7 +27,7 @@ from gravcomp.files import write_atomically
 COMPENSATION_CSV = "compensation.csv"
 MAX_HARMONIC = 32  # of a table of 256 nodes: 8 nodes per wave
 _HEADER = ["axis", "name", "value"]
-_POSITIVE = ("clock_hz", "vs_mps", "v_dead_mps", "v_full_mps", "v_max_mps", "pitch_m")
+_POSITIVE = ("vs_mps", "v_dead_mps", "v_full_mps", "v_max_mps", "pitch_m")
 FRICTION = ("fc_pos_n", "fc_neg_n", "stribeck_n", "b_pos_ns_per_m", "b_neg_ns_per_m", "mu")
 
 
@@ -36,7 +35,6 @@ FRICTION = ("fc_pos_n", "fc_neg_n", "stribeck_n", "b_pos_ns_per_m", "b_neg_ns_pe
 class Compensation:
     """The constants of n axes, (n,) each, as named above; a_n, p_rad (n, MAX_HARMONIC), harmonic h in column h - 1."""
 
-    clock_hz: np.ndarray
     fc_pos_n: np.ndarray
     fc_neg_n: np.ndarray
     stribeck_n: np.ndarray
@@ -54,6 +52,11 @@ class Compensation:
     @property
     def n_axes(self) -> int:
         return len(self.mu)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether every constant is zero."""
+        return not any(getattr(self, f.name).any() for f in fields(self))
 
     def ramp(self, v_mps: np.ndarray) -> np.ndarray:
         """Part of the friction that acts at speeds v (..., n), m/s: 0 in the dead band, 1 from v_full on."""
@@ -131,7 +134,6 @@ def check_compensation(c: Compensation, where: Path | str) -> None:
     for axis in range(c.n_axes):
         has_friction = any(getattr(c, name)[axis] for name in FRICTION)
         needs = [
-            (has_friction, "clock_hz", "friction needs the clock of the FPGA"),
             (has_friction, "v_dead_mps", "friction needs a dead band, or it would chatter at rest"),
             (c.stribeck_n[axis] != 0, "vs_mps", "stribeck_n needs the speed at which it fades"),
             (c.a_n[axis].any(), "pitch_m", "harmonics need the pitch"),
@@ -141,8 +143,6 @@ def check_compensation(c: Compensation, where: Path | str) -> None:
                 raise InputError(f"{where}: axis {axis + 1}: {name} is missing: {why}; add it")
         if has_friction and not c.v_full_mps[axis] > c.v_dead_mps[axis]:
             raise InputError(f"{where}: axis {axis + 1}: v_full_mps must be above v_dead_mps; raise it")
-    if c.n_axes and (c.clock_hz != c.clock_hz[0]).any():
-        raise InputError(f"{where}: clock_hz differs between axes; give it for axis all")
 
 
 def _names() -> list[str]:
@@ -181,10 +181,10 @@ def _read_entry(where: str, line: list[str], n_axes: int) -> tuple[range, str, f
     numbers = [str(k) for k in range(1, n_axes + 1)]
     if axis not in ("all", *numbers):
         raise InputError(f"{where}, column axis: {axis!r} is not an axis; give all, {', '.join(numbers)}")
+    if name == "clock_hz":
+        raise InputError(f"{where}, column name: clock_hz stands in robot.toml; delete this row")
     if name not in _names():
         raise InputError(f"{where}, column name: {name!r} is not known; give one of {', '.join(_names()[:16])} ...")
-    if name == "clock_hz" and axis != "all":
-        raise InputError(f"{where}, column axis: clock_hz is one for all axes; give all")
     try:
         value = float(text)
     except ValueError:

@@ -18,7 +18,7 @@ import numpy as np
 from gravcomp.core import formats as q
 from gravcomp.core.compensation import COMPENSATION_CSV, Compensation
 from gravcomp.errors import InputError
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.machine import Drive
 
 PERIOD_BITS = 32
 MANTISSA_BITS = 3
@@ -53,15 +53,15 @@ class FixedCompensation:
         return len(self.phase_step)
 
 
-def quantise_compensation(c: Compensation, p: RobotParameters, folder: Path | str = "weights") -> FixedCompensation:
+def quantise_compensation(c: Compensation, drive: Drive, folder: Path | str = "weights") -> FixedCompensation:
     """Tables of the hardware from the constants; folder names their source. Raises InputError when one doesn't fit."""
     where = Path(folder) / COMPENSATION_CSV
     octave, eighth = np.divmod(np.arange(N_SPEEDS), 2**MANTISSA_BITS)
     period = 2.0**octave * (1 + eighth / 2**MANTISSA_BITS)
-    speed = 4 * c.clock_hz * p.encoder_m_per_count / period[:, None]
+    speed = 4 * drive.clock_hz * drive.unit_per_count / period[:, None]
     turns = np.arange(N_POSITIONS)[:, None] / N_POSITIONS * np.ones(c.n_axes)
     cogging_mn = np.rint(1e3 * c.cogging_n(turns))
-    pitch_counts = c.pitch_m / p.encoder_m_per_count
+    pitch_counts = c.pitch_m / drive.unit_per_count
     coulomb_n = np.maximum(np.abs(c.fc_pos_n), np.abs(c.fc_neg_n)) + np.maximum(c.stribeck_n, 0.0)
     limit_n = _OPERAND_MAX / 1e3
     limits = {

@@ -20,7 +20,7 @@ import numpy as np
 
 from gravcomp.errors import InputError
 from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, Network
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.machine import ROBOT_TOML, Drive
 
 OPERAND_BITS = 18
 COUNT_BITS = 32
@@ -53,7 +53,7 @@ class FixedNetwork:
     hidden_weights (h, n) with weight_fraction; hidden_bias (h,) with x_fraction + weight_fraction.
     output_weights (n, h) with output_weight_fraction; output_bias (n,) with that + HIDDEN_FRACTION.
     output_scale (n,), output_scale_fraction: force in mN = y * output_scale >> output_scale_fraction, y_fraction bits.
-    current_scale, current_scale_fraction: current in uA = force in mN * current_scale >> current_scale_fraction.
+    current_scale (n,), current_scale_fraction: current in uA = force in mN * current_scale >> current_scale_fraction.
     hidden_sum_bits, output_sum_bits: widths in which no partial sum can overflow for any count (see bounds).
     """
 
@@ -76,7 +76,7 @@ class FixedNetwork:
     y_fraction: int
     output_scale: np.ndarray
     output_scale_fraction: int
-    current_scale: int
+    current_scale: np.ndarray
     current_scale_fraction: int
 
     @property
@@ -101,7 +101,7 @@ class FixedNetwork:
 # Values that overflow a float become inf here, and no format holds inf.
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")
 def quantise(
-    network: Network, p: RobotParameters, folder: Path | str = "weights", formats: FixedNetwork | None = None
+    network: Network, drive: Drive, folder: Path | str = "weights", formats: FixedNetwork | None = None
 ) -> FixedNetwork:
     """Derive formats and constants of the hardware from a float network.
 
@@ -114,18 +114,23 @@ def quantise(
             f"{folder}: {network.n_axes} axes and {network.n_hidden} neurons, but the core has {formats.n_axes} and "
             f"{formats.n_hidden}; give a network of its size"
         )
-    inputs = _input_stage(network, p, folder / SCALING_CSV, kept)
-    hidden = _hidden_stage(network, p, inputs, folder / HIDDEN_CSV, kept)
+    inputs = _input_stage(network, drive, folder / SCALING_CSV, kept)
+    hidden = _hidden_stage(network, drive, inputs, folder / HIDDEN_CSV, kept)
     outputs = _output_stage(network, folder, kept)
-    drive, per_n = "robot parameters: [drive] thrust_constant_n_per_a", np.array([1000.0 / p.thrust_constant_n_per_a])
-    current_scale, current_scale_fraction = _scale(per_n, drive, kept.get("current_scale_fraction"))
+    where = f"{folder / ROBOT_TOML}: axis {{row}}: effort_per_ampere"
+    current_scale, current_scale_fraction = _scale(
+        1000.0 / drive.effort_per_ampere, where, kept.get("current_scale_fraction")
+    )
     if FORCE_BITS + OPERAND_BITS - 1 - current_scale_fraction > CURRENT_BITS:
-        raise InputError(f"{drive} = {p.thrust_constant_n_per_a:g}: currents exceed {CURRENT_BITS} bits of uA")
+        row = int(np.argmin(drive.effort_per_ampere))
+        raise InputError(
+            f"{where.format(row=row + 1)} = {drive.effort_per_ampere[row]:g}: currents exceed {CURRENT_BITS} bits of uA"
+        )
     return FixedNetwork(
         **inputs,
         **hidden,
         **outputs,
-        current_scale=int(current_scale[0]),
+        current_scale=current_scale,
         current_scale_fraction=current_scale_fraction,
     )
 
@@ -146,22 +151,22 @@ def bits_for(low: int, high: int) -> int:
     return 1 + max((-low - 1).bit_length() if low < 0 else 0, high.bit_length() if high > 0 else 0)
 
 
-def _input_stage(network: Network, p: RobotParameters, path: Path, kept: Mapping) -> dict:
-    centre = network.q_offset_m / p.encoder_m_per_count
-    reach = INPUT_LIMIT / network.q_scale_per_m / p.encoder_m_per_count
+def _input_stage(network: Network, drive: Drive, path: Path, kept: Mapping) -> dict:
+    centre = network.q_offset / drive.unit_per_count
+    reach = INPUT_LIMIT / network.q_scale / drive.unit_per_count
     low, high = np.ceil(centre - reach), np.floor(centre + reach)
     for row in range(network.n_axes):
         if not -(2 ** (COUNT_BITS - 1)) < low[row] <= high[row] < 2 ** (COUNT_BITS - 1):
             raise InputError(
-                f"{path}: row {row + 1}, column q_scale_per_m: the trained range is {low[row]:.0f} to {high[row]:.0f} "
+                f"{path}: row {row + 1}, column q_scale: the trained range is {low[row]:.0f} to {high[row]:.0f} "
                 f"encoder counts; it must hold a count and fit {COUNT_BITS} bits"
             )
     count_low, count_high = low.astype(np.int64), high.astype(np.int64)
     count_shift = _count_shift(count_low, count_high, path, kept.get("count_shift"))
-    x_offset = network.q_offset_m * network.q_scale_per_m
-    x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset_m"], kept.get("x_fraction"))
-    per_code = 2.0**count_shift * p.encoder_m_per_count * network.q_scale_per_m * 2.0**x_fraction
-    where = f"{path}: row {{row}}, column q_scale_per_m"
+    x_offset = network.q_offset * network.q_scale
+    x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset"], kept.get("x_fraction"))
+    per_code = 2.0**count_shift * drive.unit_per_count * network.q_scale * 2.0**x_fraction
+    where = f"{path}: row {{row}}, column q_scale"
     input_scale, input_scale_fraction = _scale(per_code, where, kept.get("input_scale_fraction"))
     return {
         "count_low": count_low,
@@ -176,15 +181,14 @@ def _input_stage(network: Network, p: RobotParameters, path: Path, kept: Mapping
     }
 
 
-def _hidden_stage(network: Network, p: RobotParameters, inputs: Mapping, path: Path, kept: Mapping) -> dict:
+def _hidden_stage(network: Network, drive: Drive, inputs: Mapping, path: Path, kept: Mapping) -> dict:
     columns = [f"w_q{i}" for i in range(1, network.n_axes + 1)]
     weight_fraction = _fraction_for(network.hidden_weights, path, columns, kept.get("weight_fraction"))
     weights = _codes(network.hidden_weights, weight_fraction)
     # What the code of x lacks on average: half its LSB, the dropped bits of the count, the offset of the scaling.
     dropped_count = (2.0 ** inputs["count_shift"] - 1) / 2
     x_lacks = (
-        2.0 ** -(inputs["x_fraction"] + 1)
-        + (dropped_count * p.encoder_m_per_count - network.q_offset_m) * network.q_scale_per_m
+        2.0 ** -(inputs["x_fraction"] + 1) + (dropped_count * drive.unit_per_count - network.q_offset) * network.q_scale
     )
     bias = network.hidden_bias + weights * 2.0**-weight_fraction @ x_lacks + 2.0 ** -(PREACTIVATION_FRACTION + 1)
     sum_fraction = inputs["x_fraction"] + weight_fraction
@@ -207,21 +211,21 @@ def _output_stage(network: Network, folder: Path, kept: Mapping) -> dict:
     columns = [f"v_{j}" for j in range(1, network.n_hidden + 1)]
     weight_fraction = _fraction_for(network.output_weights, path, columns, kept.get("output_weight_fraction"))
     weights = _codes(network.output_weights, weight_fraction)
-    f_ratio = network.f_offset_n / network.f_scale_n
+    f_ratio = network.f_offset / network.f_scale
     y_largest = (np.abs(f_ratio)[:, None] + 1.0) * OUTPUT_HEADROOM
-    y_fraction = _fraction_for(y_largest, scaling, ["f_offset_n / f_scale_n"], kept.get("y_fraction"))
-    where = f"{scaling}: row {{row}}, column f_scale_n"
+    y_fraction = _fraction_for(y_largest, scaling, ["f_offset / f_scale"], kept.get("y_fraction"))
+    where = f"{scaling}: row {{row}}, column f_scale"
     output_scale, scale_fraction = _scale(
-        1000.0 * network.f_scale_n * 2.0**-y_fraction, where, kept.get("output_scale_fraction")
+        1000.0 * network.f_scale * 2.0**-y_fraction, where, kept.get("output_scale_fraction")
     )
     if 2 * OPERAND_BITS - 1 - scale_fraction > FORCE_BITS:
-        row = 1 + int(np.argmax(network.f_scale_n))
+        row = 1 + int(np.argmax(network.f_scale))
         raise InputError(f"{where.format(row=row)}: forces exceed {FORCE_BITS} bits of mN; give a smaller scale")
     # The halves of what truncation drops from h, from y, and from the force in mN.
     lacks = (
         weights.sum(axis=1) * 2.0 ** -(weight_fraction + HIDDEN_FRACTION + 1)
         + 2.0 ** -(y_fraction + 1)
-        + 0.5e-3 / network.f_scale_n
+        + 0.5e-3 / network.f_scale
     )
     if HIDDEN_FRACTION + weight_fraction < y_fraction:
         raise InputError(f"{path}: weights too large for the range of y in {SCALING_CSV}; retrain with smaller ones")
@@ -245,7 +249,7 @@ def _count_shift(low: np.ndarray, high: np.ndarray, path: Path, kept: int | None
     least = max(0, bits_for(int(low.min()), int(high.max())) - OPERAND_BITS)
     if kept is not None and least > kept:
         raise InputError(
-            f"{path}: column q_scale_per_m: the trained range is wider than the {OPERAND_BITS + kept} bits of counts "
+            f"{path}: column q_scale: the trained range is wider than the {OPERAND_BITS + kept} bits of counts "
             "that the core takes; give larger scales"
         )
     return least if kept is None else kept

@@ -8,7 +8,7 @@ complement, the bits above them zero. In order:
     friction, mu        a record per node: value, step; axis 1 first
     position            likewise
     scalars             one record: per axis lower and upper limit of the count, those of x, input scale, output bias,
-                        output scale; current scale; per axis the phase step
+                        output scale, current scale, phase step
 
 Formats are those of the ROM that the core was built with. The image's CRC is CRC-32 (zlib) of its words as
 little-endian bytes.
@@ -22,11 +22,10 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.core import formats as q
-from gravcomp.core.compensation import load_compensation
 from gravcomp.core.compensator_tables import PHASE_STEP_BITS, FixedCompensation, quantise_compensation
+from gravcomp.core.folder import load_folder
 from gravcomp.core.formats import FixedNetwork, quantise
-from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.errors import InputError
 from gravcomp.twin.precision import Precision, certified, precision
 
 WORD_BITS = 32
@@ -51,18 +50,23 @@ class Image:
         return zlib.crc32(self.data)
 
 
-def load_image(folder: Path | str, rom: Path | str, p: RobotParameters) -> Image:
-    """The image of a weights folder for a core whose ROM was made from the folder rom.
+def load_image(folder: Path | str, rom: Path | str) -> Image:
+    """The image of a machine folder for a core whose ROM was made from the folder rom.
 
-    Raises InputError when one of them cannot be read, when the network has another size, or when a format of the core
-    cannot hold a value or a sum, or costs too much.
+    Raises InputError when one of them cannot be read, when the network has another size or the core another clock, or
+    when a format of the core cannot hold a value or a sum, or costs too much.
     """
-    built = load_network(rom)
-    formats = quantise(built, p, rom)
-    wanted = load_network(folder)
-    network = quantise(wanted, p, folder, formats)
-    cost = certified(precision(wanted, network, p.encoder_m_per_count, built), folder, rom)
-    compensation = quantise_compensation(load_compensation(folder, network.n_axes), p, folder)
+    built, given = load_folder(rom), load_folder(folder)
+    if given.machine.clock_hz != built.machine.clock_hz:
+        raise InputError(
+            f"{given.machine.where}: clock_hz = {given.machine.clock_hz:g}, but the core of {rom} runs at "
+            f"{built.machine.clock_hz:g}; give that"
+        )
+    drive = given.machine.drive
+    formats = quantise(built.network, built.machine.drive, rom)
+    network = quantise(given.network, drive, folder, formats)
+    cost = certified(precision(given.network, network, drive.unit_per_count, built.network), folder, rom)
+    compensation = quantise_compensation(given.compensation, drive, folder)
     return Image(image_words(network, compensation), network, compensation, cost)
 
 
@@ -92,7 +96,7 @@ def _scalars(network: FixedNetwork, compensation: FixedCompensation) -> list[tup
         (network.input_scale, q.OPERAND_BITS),
         (network.output_bias, network.output_sum_bits),
         (network.output_scale, q.OPERAND_BITS),
-        ([network.current_scale], q.OPERAND_BITS),
+        (network.current_scale, q.OPERAND_BITS),
         (compensation.phase_step, PHASE_STEP_BITS),
     )
     return [(value, bits) for values, bits in fields for value in values]

@@ -8,20 +8,30 @@ import numpy as np
 import scipy
 
 from gravcomp.files import write_atomically
+from gravcomp.robot.machine import Machine, trained_on_hash
 
 PROVENANCE_JSON = "provenance.json"
 
 
-def write_provenance(folder: Path | str, *, command: str, data: dict, metrics: dict) -> None:
-    """Write provenance.json: command, state of the source, versions, data and metrics. Raises InputError."""
+def write_provenance(folder: Path | str, **content) -> None:
+    """Write provenance.json, as ``provenance_text`` has it. Raises InputError."""
+    write_atomically(Path(folder) / PROVENANCE_JSON, provenance_text(**content))
+
+
+def provenance_text(*, command: str, data: dict, metrics: dict, machine: Machine) -> str:
+    """The text of provenance.json: command, state of the source, versions, data, metrics, and the facts of the machine
+    that the network was trained on, with their hash.
+    """
+    facts = machine.trained_on()
     content = {
         "command": command,
         "commit": source_version(),
         "versions": {"numpy": np.__version__, "scipy": scipy.__version__},
         "data": data,
         "metrics": metrics,
+        "machine": {"sha256": trained_on_hash(facts), "trained_on": facts},
     }
-    write_atomically(Path(folder) / PROVENANCE_JSON, json.dumps(content, indent=2) + "\n")
+    return json.dumps(content, indent=2) + "\n"
 
 
 def source_version() -> str:

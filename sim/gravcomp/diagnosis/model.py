@@ -1,4 +1,4 @@
-"""model.toml: the nominal parameters and the effects found so far; readable, editable, reloadable."""
+"""model.toml: robot.toml and the effects found so far; readable, editable, reloadable."""
 
 import difflib
 import math
@@ -16,7 +16,7 @@ from gravcomp.diagnosis.effects import NAMES, effect_named
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
-from gravcomp.robot.spheiro.parameters import NOMINAL_TOML, RobotParameters, load_parameters, parameters_from_table
+from gravcomp.robot.machine import ROBOT_TOML, Machine, parse_machine
 
 _LARGEST = 1e15  # as of any measured value
 _TABLES = ("effects", "empirical")
@@ -26,10 +26,11 @@ _EMPIRICAL_KEYS = {"axis", "kind", "variables", "by_direction", "shape", "values
 
 @dataclass(frozen=True)
 class Model:
-    """Robot parameters, effects as (name, parameters), empirical corrections as (correction, values)."""
+    """A machine, or None where only the log's own predictions are the model; effects as (name, parameters), empirical
+    corrections as (correction, values).
+    """
 
-    robot: RobotParameters = field(default_factory=load_parameters)
-    nominal_toml: str = field(default_factory=lambda: NOMINAL_TOML.read_text(encoding="utf-8"))
+    machine: Machine | None = None
     effects: list[tuple[str, dict[str, float]]] = field(default_factory=list)
     corrections: list[tuple[Correction, tuple[float, ...]]] = field(default_factory=list)
 
@@ -119,13 +120,13 @@ def _cannot_follow(correction: Correction, data: Measurement) -> str:
 
 
 def load_model(path: Path | str) -> Model:
-    """Read model.toml. Raises InputError naming table, key and mend."""
-    path = Path(path)
+    """Read a model.toml, or robot.toml of a machine folder. Raises InputError naming table, key and mend."""
+    path = Path(path) / ROBOT_TOML if Path(path).is_dir() else Path(path)
     try:
         text = path.read_text(encoding="utf-8")
         table = tomllib.loads(text)
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); give a model.toml") from error
+        raise InputError(f"{path}: cannot be read ({error}); give a machine folder or a model.toml") from error
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{path}: not valid TOML ({error}); correct that line") from error
     for name in table:
@@ -134,7 +135,8 @@ def load_model(path: Path | str) -> Model:
             raise InputError(f"{path}: [[{name}]] is not known; name it [[{meant[0]}]]")
     effects = [_effect(path, entry) for entry in _entries(path, table, "effects")]
     corrections = [_correction(path, entry) for entry in _entries(path, table, "empirical")]
-    return Model(parameters_from_table(table, str(path)), _nominal(text, table), effects, corrections)
+    machine = parse_machine(text, str(path)) if table.keys() - set(_TABLES) else None
+    return Model(machine, effects, corrections)
 
 
 def _entries(path: Path, table: dict, name: str) -> list[dict]:
@@ -230,11 +232,12 @@ def _nominal(text: str, table: dict) -> str:
             return lines
     except tomllib.TOMLDecodeError:
         pass
-    return "\n".join(_table_toml(name, value) for name, value in robot.items())
+    ordered = sorted(robot.items(), key=lambda item: isinstance(item[1], dict))  # values belong to the table above them
+    return "\n".join(_table_toml(name, value) for name, value in ordered)
 
 
 def _table_toml(name: str, value) -> str:
-    if not isinstance(value, dict):
+    if not isinstance(value, dict):  # [[axis]] becomes a list of inline tables
         return f"{name} = {_value_toml(value)}\n"
     return "\n".join([f"[{name}]", *(f"{key} = {_value_toml(own)}" for key, own in value.items())]) + "\n"
 
@@ -251,7 +254,7 @@ def _value_toml(value) -> str:
 
 def model_toml(model: Model) -> str:
     """The text of model.toml."""
-    parts = [model.nominal_toml.rstrip() + "\n"]
+    parts = [_nominal(model.machine.text, model.machine.table).rstrip() + "\n"] if model.machine else []
     for name, parameters in model.effects:
         lines = [f"{key} = {value!r}" for key, value in parameters.items()]
         effect = effect_named(name)

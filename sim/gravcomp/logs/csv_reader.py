@@ -18,9 +18,8 @@ from gravcomp.logs.force_surface import fit_force_function
 from gravcomp.logs.measurement import Measurement, velocity_from_position
 from gravcomp.logs.missing import marks
 from gravcomp.logs.units import KNOWN, OF_THE_MACHINE, in_contract
-from gravcomp.robot.spheiro.kinematics import PoseError
-from gravcomp.robot.spheiro.parameters import RobotParameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.machine import EFFORT_UNITS, Machine
+from gravcomp.robot.protocol import PoseError
 
 MIN_SAMPLES = 30
 _LARGEST = 1e15  # of any measured value: sums of squares stay far from overflow
@@ -33,9 +32,9 @@ _UNITS = {"n": "N", "nm": "Nm", "a": "A"}
 
 
 def read_measurement(
-    path: Path | str, robot: RobotParameters, units: Mapping[str, tuple[str, float]] | None = None
+    path: Path | str, machine: Machine | None = None, units: Mapping[str, tuple[str, float]] | None = None
 ) -> Measurement:
-    """Read one CSV; without fm columns the built-in robot's statics are the model (3 axes, metres).
+    """Read one CSV; without fm columns the machine's statics are the model.
 
     units: size of the machine's own units, as {"counts": ("m", 1e-6)}. What had to be put right stands in the notes.
     Raises InputError, one line naming file, row, column and what to do.
@@ -46,12 +45,11 @@ def read_measurement(
     table, told = _in_contract(path, table, units or {})
     notes += told
     columns = _columns(path, table)
-    n_axes = len(columns["q"])
     t_s, run, told = _time(path, table)
     notes += told
     q = _stack(table, columns["q"])
     has_model = bool(columns["fm"])
-    force, by_axis = _effort(path, table, columns, robot, has_model)
+    force, by_axis = _effort(path, table, columns, machine)
     unit = ", ".join(dict.fromkeys(by_axis))
     v = _stack(table, columns["v"]) if columns["v"] else None
     if v is None:
@@ -59,20 +57,16 @@ def read_measurement(
         v = velocity_from_position(t_s, q, run) if draft.is_ordered and np.ptp(t_s) > 0 else None
     if has_model:
         nominal = _stack(table, columns["fm"])
-        if unit == "N" and columns["fm"][0].endswith("_a"):
-            nominal = nominal * robot.thrust_constant_n_per_a
+        if unit != "A" and columns["fm"][0].endswith("_a"):
+            nominal = nominal * _per_ampere(path, table, columns, machine)
         force_at = fit_force_function(q, nominal, [_suffix(name) for name in columns["q"]])
     else:
-        if n_axes != 3 or not all(name.endswith("_m") for name in columns["q"]):
-            raise InputError(
-                f"{path}: row {table.attrs['header_row']}: columns {', '.join(columns['q'])} without fm columns; "
-                "add fm1_... with your model's prediction, or give q1_m, q2_m, q3_m of the built-in robot"
-            )
-        nominal, force_at = _built_in(path, table, q, robot), lambda at: holding_forces_at(at, robot)
+        _check_machine(path, table, columns, machine)
+        nominal, force_at = _statics(path, table, q, machine), machine.robot.forces
     return Measurement(
         path.name, t_s, q, v, force, nominal, unit, tuple(_suffix(name) for name in columns["q"]),
         temp_c=table["temp_c"].to_numpy() if "temp_c" in table else None, force_at=force_at,
-        robot=None if has_model else robot, run=run if run.any() else None,
+        robot=None if has_model else machine.robot, run=run if run.any() else None,
         units=by_axis if len(set(by_axis)) > 1 else (), notes=tuple(notes), n_dropped=table.attrs["n_dropped"],
     )  # fmt: skip
 
@@ -226,10 +220,12 @@ def _time(path: Path, table: pd.DataFrame) -> tuple[np.ndarray, np.ndarray, list
     return clock.joined(t_s, run), run, notes
 
 
-def _effort(path, table, columns, robot, has_model) -> tuple[np.ndarray, tuple[str, ...]]:
+def _effort(
+    path: Path, table: pd.DataFrame, columns: dict, machine: Machine | None
+) -> tuple[np.ndarray, tuple[str, ...]]:
     """Efforts (n, k) and their unit per axis; the model must have the same ones."""
     header = f"{path}: row {table.attrs['header_row']}"
-    names = columns["f"] or columns["i"]
+    names, has_model = columns["f"] or columns["i"], bool(columns["fm"])
     units = tuple(_UNITS[_suffix(name)] for name in names)
     model_units = tuple(_UNITS[_suffix(name)] for name in columns["fm"])
     if len(set(units)) > 1 and units != model_units:
@@ -243,23 +239,48 @@ def _effort(path, table, columns, robot, has_model) -> tuple[np.ndarray, tuple[s
     if len(set(units)) > 1:
         return force, units
     unit, model_unit = units[0], (model_units or ("",))[0]
-    if unit == "A" and (not has_model or model_unit == "N"):
-        force, unit = force * robot.thrust_constant_n_per_a, "N"
-    if has_model and model_unit != unit and not (unit == "N" and model_unit == "A"):
+    if unit == "A" and model_unit != "A":
+        force = force * _per_ampere(path, table, columns, machine)
+        return force, tuple(EFFORT_UNITS[unit] for unit in machine.position_units)
+    if has_model and model_unit != unit and model_unit != "A":
         raise InputError(f"{header}: column {columns['fm'][0]} is in {model_unit}, the effort in {unit}; "
                          "give both in one unit")  # fmt: skip
-    if not has_model and unit == "Nm":
-        raise InputError(f"{header}: column {names[0]}: the built-in robot needs N; add fm columns or give f1_n")
     return force, (unit,) * len(names)
 
 
-def _built_in(path: Path, table: pd.DataFrame, q: np.ndarray, robot: RobotParameters) -> np.ndarray:
+def _per_ampere(path: Path, table: pd.DataFrame, columns: dict, machine: Machine | None) -> np.ndarray:
+    """N or Nm per ampere of each axis (n,)."""
+    if machine is None:
+        amperes = next(name for name in columns["i"] + columns["fm"] if name.endswith("_a"))
+        raise InputError(f"{path}: row {table.attrs['header_row']}: column {amperes} is in amperes; give the machine "
+                         "folder with --robot, or one unit for all")  # fmt: skip
+    _check_machine(path, table, columns, machine)
+    return machine.drive.effort_per_ampere
+
+
+def _check_machine(path: Path, table: pd.DataFrame, columns: dict, machine: Machine | None) -> None:
+    """Raise InputError unless the positions are those of the machine's axes, in its units, and the efforts too."""
+    header, names = f"{path}: row {table.attrs['header_row']}", columns["q"]
+    if machine is None:
+        raise InputError(f"{header}: columns {', '.join(names)} without fm columns; add fm1_... with your model's "
+                         "prediction, or give the machine folder with --robot")  # fmt: skip
+    wanted = [f"q{k}_{unit}" for k, unit in enumerate(machine.position_units, start=1)]
+    if names != wanted:
+        raise InputError(f"{header}: columns {', '.join(names)} without fm columns, but {machine.where} has "
+                         f"{', '.join(wanted)}; add fm1_... or give those")  # fmt: skip
+    for name, unit in zip(columns["f"], machine.position_units, strict=False):  # no f columns where amperes are logged
+        if _UNITS[_suffix(name)] != EFFORT_UNITS[unit]:
+            raise InputError(f"{header}: column {name}: {machine.where} has it in {EFFORT_UNITS[unit]}; "
+                             "add fm columns or give that unit")  # fmt: skip
+
+
+def _statics(path: Path, table: pd.DataFrame, q: np.ndarray, machine: Machine) -> np.ndarray:
     try:
-        return holding_forces_at(q, robot)
+        return machine.robot.forces(q)
     except PoseError as error:
-        row = table.attrs["rows"][int(re.search(r"pose (\d+)", str(error))[1])]
-        raise InputError(f"{path}: row {row}, columns q1_m..q3_m: outside the robot's joint space; "
-                         "check zero and unit of the encoders") from error  # fmt: skip
+        row, last = table.attrs["rows"][error.index or 0], f"q{machine.n_axes}_{machine.position_units[-1]}"
+        raise InputError(f"{path}: row {row}, columns q1_{machine.position_units[0]}..{last}: outside the robot's "
+                         "joint space; check zero and unit of the encoders") from error  # fmt: skip
 
 
 def _stack(table: pd.DataFrame, names: list[str]) -> np.ndarray:

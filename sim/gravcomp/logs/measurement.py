@@ -9,6 +9,7 @@ from scipy.signal import savgol_filter
 
 from gravcomp.logs.clock import derivative
 from gravcomp.logs.places import Places, places
+from gravcomp.robot.protocol import Robot
 
 # A speed this far below the usual one has no sure direction.
 _DEAD_BAND_CAP = 0.02
@@ -25,10 +26,10 @@ class Measurement:
     t_s (n,); q (n, k), m or rad; v (n, k) signed velocity (of a hold: of its approach) or None; force (n, k) and
     nominal (n, k) measured and modelled effort in ``unit``; temp_c (n,) or None; position_units one per axis;
     force_at: f_model as a function of q (n, k) -> (n, k), or None when only its values at the samples are known;
-    robot: parameters of the built-in robot, or None; run (n,): which run a row belongs to, where runs were joined;
-    unsure (n, k): samples at which the direction is not sure for another reason than v; units: of effort per axis,
-    where they differ; notes: what reading the log had to put right, a line each; n_dropped: rows that hold a mark for
-    a missing value and are not here.
+    robot: what the model is of, or None where its values alone are known; run (n,): which run a row belongs to, where
+    runs were joined; unsure (n, k): samples at which the direction is not sure for another reason than v; units: of
+    effort per axis, where they differ; notes: what reading the log had to put right, a line each; n_dropped: rows that
+    hold a mark for a missing value and are not here.
     """
 
     name: str
@@ -41,7 +42,7 @@ class Measurement:
     position_units: tuple[str, ...]
     temp_c: np.ndarray | None = None
     force_at: Callable[[np.ndarray], np.ndarray] | None = field(default=None, repr=False)
-    robot: object = field(default=None, repr=False)
+    robot: Robot | None = field(default=None, repr=False)
     run: np.ndarray | None = field(default=None, repr=False)
     unsure: np.ndarray | None = field(default=None, repr=False)
     units: tuple[str, ...] = ()

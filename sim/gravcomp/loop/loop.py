@@ -1,24 +1,27 @@
 """The loop: what a diagnosis found goes into network and compensator, and held-out samples judge model and hardware.
 
-Folder of a loop: before/ and after/, each with weights/ (a weights folder), generated/ (VHDL packages) and, once the
+Folder of a loop: before/ and after/, each with weights/ (a machine folder), generated/ (VHDL packages) and, once the
 RTL has run, rtl_mn.npy; samples.npz, what the RTL is to be run on and what was measured there.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from gravcomp.core.compensation import Compensation, load_compensation, no_compensation, save_compensation
+from gravcomp.core.compensation import load_compensation
+from gravcomp.core.folder import MachineFolder, load_folder, save_folder
+from gravcomp.core.provenance import PROVENANCE_JSON, provenance_text
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.diagnosis.diagnosis import Diagnosis
-from gravcomp.diagnosis.model import Model
-from gravcomp.diagnosis.report import errors
+from gravcomp.diagnosis.model import Model, model_toml
+from gravcomp.diagnosis.report import errors, report
 from gravcomp.errors import InputError
+from gravcomp.files import write_atomically
 from gravcomp.logs.measurement import Measurement
-from gravcomp.loop.placement import DEFAULT_CLOCK_HZ, Placement, into_hardware
-from gravcomp.network.weights import Network, load_network, save_network
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.loop.placement import Placement, into_hardware
+from gravcomp.network.weights import load_network
+from gravcomp.robot.machine import ROBOT_TOML, Machine, load_machine, parse_machine
 from gravcomp.twin.compensator import period_of
 
 RUNS = ("before", "after")
@@ -50,36 +53,45 @@ def answer_file(folder: Path, run: str) -> Path:
 
 
 def check_robot(data: Measurement, weights: Path) -> None:
-    """Raise InputError unless data are of the built-in robot and the weights have its axes."""
-    n_axes = load_network(weights).n_axes
-    if data.robot is None or n_axes != data.n_axes:
-        raise InputError(f"{data.name}: not of the robot of {weights}; give its positions q1_m .., without fm columns")
+    """Raise InputError unless data are of the robot in the machine folder weights."""
+    if data.robot is None:
+        units = load_machine(weights).position_units
+        wanted = ", ".join(f"q{k}_{unit}" for k, unit in enumerate(units, start=1))
+        raise InputError(f"{data.name}: not of the robot of {weights}; give its positions {wanted}, without fm columns")
 
 
-def close_loop(found: Diagnosis, model: Model, weights: Path, folder: Path, seed: int) -> Closed:
-    """Put the model, with what was found, into weights and constants; writes before/ and after/ with their ROMs, and
+def close_loop(
+    found: Diagnosis, model: Model, weights: Path, folder: Path, seed: int, command: str, log: dict
+) -> Closed:
+    """Put the model, with what was found, into network and constants; writes before/ and after/ with their ROMs, and
     samples.npz.
 
-    Empirical corrections that depend on positions alone go into the network too. Raises InputError for effects that
-    the hardware cannot hold.
+    Empirical corrections that depend on positions alone go into the network too. command and log go into provenance.
+    Raises InputError for effects that the hardware cannot hold.
     """
-    network, p = load_network(weights), model.robot
-    grown, placement, corrections = into_hardware(model, found.data, network, seed)
-    _write(folder, "before", network, load_compensation(weights, network.n_axes), p, f"from {weights}")
+    start = load_folder(weights)
+    network, placement, corrections = into_hardware(model, found.data, start.network, seed)
+    grown = parse_machine(model_toml(model), str(weights_folder(folder, "after") / ROBOT_TOML))
+    _write(folder, "before", start, f"from {weights}", (weights / PROVENANCE_JSON).read_text(encoding="utf-8"))
     names = ", ".join(placement.in_compensator) or "nothing"
-    _write(folder, "after", grown, placement.compensation, p, f"found in {found.data.name}: {names}")
-    n_samples = save_samples(found, folder, p)
+    result = MachineFolder(grown, network, placement.compensation)
+    content = report(found)
+    metrics = {f"model_{when}": content[when] for when in RUNS}
+    provenance = provenance_text(command=command, data=log, metrics=metrics, machine=grown)
+    _write(folder, "after", result, f"found in {found.data.name}: {names}", provenance)
+    n_samples = save_samples(found, folder, start.machine)
     return Closed(placement, corrections, n_samples)
 
 
-def _write(folder: Path, run: str, network: Network, constants: Compensation, p: RobotParameters, comment: str) -> None:
-    save_network(network, weights_folder(folder, run))
-    save_compensation(constants, weights_folder(folder, run), comment)
-    write_rom(weights_folder(folder, run), p, generated_folder(folder, run))
+def _write(folder: Path, run: str, content: MachineFolder, comment: str, provenance: str) -> None:
+    target = weights_folder(folder, run)
+    save_folder(target, content, comment)
+    write_atomically(target / PROVENANCE_JSON, provenance)
+    write_rom(target, generated_folder(folder, run))
     answer_file(folder, run).unlink(missing_ok=True)
 
 
-def save_samples(found: Diagnosis, folder: Path, p: RobotParameters) -> int:
+def save_samples(found: Diagnosis, folder: Path, machine: Machine) -> int:
     """Write samples.npz: at most MAX_RTL_SAMPLES held-out samples, evenly chosen; returns how many.
 
     count, period (N, n): what the RTL reads; a hold has the speed of its approach. q_m, v_mps, measured_n, model_n,
@@ -88,11 +100,10 @@ def save_samples(found: Diagnosis, folder: Path, p: RobotParameters) -> int:
     data, rows = found.data, np.flatnonzero(found.is_test)
     rows = rows[:: -(-len(rows) // MAX_RTL_SAMPLES)]
     v_mps = (np.zeros_like(data.q) if data.v is None else data.v)[rows]
-    clock = replace(no_compensation(data.n_axes), clock_hz=np.full(data.n_axes, DEFAULT_CLOCK_HZ))
     np.savez(
         folder / SAMPLES,
-        count=np.rint(data.q[rows] / p.encoder_m_per_count).astype(np.int64),
-        period=period_of(v_mps, clock, p),
+        count=machine.drive.counts(data.q[rows]),
+        period=period_of(v_mps, machine.drive),
         q_m=data.q[rows],
         v_mps=v_mps,
         measured_n=data.force[rows],

@@ -19,10 +19,10 @@ from gravcomp.diagnosis.effects import effect_named
 from gravcomp.diagnosis.model import Model
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
-from gravcomp.loop.retraining import N_POSES, augmented_set, retrained
+from gravcomp.loop.retraining import N_POSES, augmented_set
 from gravcomp.network.weights import Network
+from gravcomp.training.fine_tuning import retrained
 
-DEFAULT_CLOCK_HZ = 100e6
 # Speeds from which on friction is whole; it is zero below half of that. The lower limit is about ten counts a second.
 FULL_FRICTION_MPS = (2e-5, 1e-4)
 
@@ -51,13 +51,11 @@ def into_hardware(
     corrections = [(correction, values) for correction, values in model.corrections if correction.is_of_position]
     if in_network or corrections:
         lacking = replace(model, effects=in_network, corrections=corrections)
-        network, _ = retrained(network, augmented_set(lacking, model.robot, seed, n_poses), model.robot)
+        network, _ = retrained(network, augmented_set(lacking, seed, n_poses), model.machine.drive)
     return network, placement, [correction.name for correction, _ in corrections]
 
 
-def compensation_from_effects(
-    effects: Sequence[Mapping], data: Measurement, clock_hz: float = DEFAULT_CLOCK_HZ
-) -> Placement:
+def compensation_from_effects(effects: Sequence[Mapping], data: Measurement) -> Placement:
     """Place effects, each {"name": ..., "params": {...}} as in report.json, found in data of the robot.
 
     Friction that several effects bring adds up. Friction of passive joints becomes what it is on average on each axis
@@ -74,7 +72,7 @@ def compensation_from_effects(
     if any(getattr(constants, name).any() for name in FRICTION):
         speeds = np.abs(data.v[data.v != 0])
         full = np.clip(np.quantile(speeds, 0.05), *FULL_FRICTION_MPS)
-        common = {"clock_hz": clock_hz, "v_dead_mps": full / 2, "v_full_mps": full, "v_max_mps": speeds.max()}
+        common = {"v_dead_mps": full / 2, "v_full_mps": full, "v_max_mps": speeds.max()}
         constants = replace(constants, **{name: np.full(data.n_axes, value) for name, value in common.items()})
     check_compensation(constants, "found effects")
     return Placement(constants, places["compensator"], places["network"], places["none"])

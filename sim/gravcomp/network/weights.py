@@ -5,9 +5,8 @@ x = (q - q_offset) q_scale;  h = Gamma(W x + b_H);  f = f_offset + f_scale (V h 
 """
 
 import csv
-import hashlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +17,11 @@ from gravcomp.files import write_all_atomically
 from gravcomp.network.activation import gamma
 
 HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV = "hidden.csv", "output.csv", "scaling.csv"
-_SCALING_COLUMNS = ("q_offset_m", "q_scale_per_m", "f_offset_n", "f_scale_n")
+_SCALING_COLUMNS = ("q_offset", "q_scale", "f_offset", "f_scale")
+_SCALING_HEADER = ["axis", "position_unit", *_SCALING_COLUMNS]
+# As written before axes had units of their own: metres and newtons.
+_OLDER_SCALING_HEADER = ["axis", "q_offset_m", "q_scale_per_m", "f_offset_n", "f_scale_n"]
+UNITS = ("m", "rad")
 
 
 @dataclass(frozen=True)
@@ -26,17 +29,18 @@ class Network:
     """A network with one hidden layer; n inputs, h hidden neurons, and as many outputs as inputs.
 
     hidden_weights W (h, n), hidden_bias b_H (h,), output_weights V (n, h), output_bias b_o (n,): no unit.
-    q_offset_m (n,) m, q_scale_per_m (n,) 1/m, f_offset_n (n,) N, f_scale_n (n,) N.
+    q_offset (n,) m or rad, as position_units say; q_scale (n,) 1/m or 1/rad; f_offset, f_scale (n,) N, or Nm for rad.
     """
 
     hidden_weights: np.ndarray
     hidden_bias: np.ndarray
     output_weights: np.ndarray
     output_bias: np.ndarray
-    q_offset_m: np.ndarray
-    q_scale_per_m: np.ndarray
-    f_offset_n: np.ndarray
-    f_scale_n: np.ndarray
+    q_offset: np.ndarray
+    q_scale: np.ndarray
+    f_offset: np.ndarray
+    f_scale: np.ndarray
+    position_units: tuple[str, ...]
 
     @property
     def n_hidden(self) -> int:
@@ -46,11 +50,11 @@ class Network:
     def n_axes(self) -> int:
         return len(self.output_bias)
 
-    def forces(self, q_m: np.ndarray, activation: Callable = gamma) -> np.ndarray:
-        """Forces f (..., n), N, at joint positions q_m (..., n), m, in floating point."""
-        x = (q_m - self.q_offset_m) * self.q_scale_per_m
+    def forces(self, q: np.ndarray, activation: Callable = gamma) -> np.ndarray:
+        """Efforts f (..., n), N or Nm, at joint positions q (..., n), m or rad, in floating point."""
+        x = (q - self.q_offset) * self.q_scale
         hidden = activation(x @ self.hidden_weights.T + self.hidden_bias)
-        return self.f_offset_n + self.f_scale_n * (hidden @ self.output_weights.T + self.output_bias)
+        return self.f_offset + self.f_scale * (hidden @ self.output_weights.T + self.output_bias)
 
 
 def save_network(network: Network, folder: Path | str) -> None:
@@ -60,8 +64,8 @@ def save_network(network: Network, folder: Path | str) -> None:
     output_header = ["axis", *(f"v_{k}" for k in neurons), "bias"]
     hidden = _csv_text(_hidden_header(network.n_axes), np.c_[network.hidden_weights, network.hidden_bias])
     output = _csv_text(output_header, np.c_[network.output_weights, network.output_bias])
-    scaling = np.stack([getattr(network, name) for name in _SCALING_COLUMNS], axis=1)
-    scaling = _csv_text(["axis", *_SCALING_COLUMNS], scaling)
+    values = np.stack([getattr(network, name) for name in _SCALING_COLUMNS], axis=1)
+    scaling = _csv_text(_SCALING_HEADER, values, network.position_units)
     write_all_atomically({folder / HIDDEN_CSV: hidden, folder / OUTPUT_CSV: output, folder / SCALING_CSV: scaling})
 
 
@@ -72,7 +76,7 @@ def load_network(folder: Path | str) -> Network:
     a value is not a finite number, a scale is not positive, or the numbers of rows do not fit together.
     """
     folder = Path(folder)
-    scaling = _read_table(folder / SCALING_CSV, ["axis", *_SCALING_COLUMNS])
+    scaling, units = _read_scaling(folder / SCALING_CSV)
     n_axes = len(scaling)
     hidden = _read_table(folder / HIDDEN_CSV, _hidden_header(n_axes))
     n_hidden = len(hidden)
@@ -82,34 +86,54 @@ def load_network(folder: Path | str) -> Network:
         raise InputError(
             f"{folder / OUTPUT_CSV}: {len(output)} rows, but {SCALING_CSV} has {n_axes} axes; give one row per axis"
         )
-    for name in ("q_scale_per_m", "f_scale_n"):
+    for name in ("q_scale", "f_scale"):
         column = 1 + _SCALING_COLUMNS.index(name)
         for row in np.flatnonzero(scaling[:, column - 1] <= 0):
             value = scaling[row, column - 1]
             raise InputError(f"{folder / SCALING_CSV}: row {row + 1}, column {name}: {value} must be positive")
-    return Network(hidden[:, :-1], hidden[:, -1], output[:, :-1], output[:, -1], *scaling.T)
+    return Network(hidden[:, :-1], hidden[:, -1], output[:, :-1], output[:, -1], *scaling.T, units)
 
 
-def weights_hash(folder: Path | str) -> str:
-    """SHA-256 over the three CSV files, in the order hidden, output, scaling: ties a ROM to its source."""
-    digest = hashlib.sha256()
-    for name in (HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV):
-        digest.update((Path(folder) / name).read_bytes())
-    return digest.hexdigest()
+def network_bytes(folder: Path | str) -> bytes:
+    """The three CSV files in the order hidden, output, scaling."""
+    return b"".join((Path(folder) / name).read_bytes() for name in (HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV))
+
+
+def _read_scaling(path: Path) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Values (n, 4) and units of scaling.csv."""
+    lines = _read_lines(path, _SCALING_HEADER)
+    if [name.strip() for name in lines[0]] == _OLDER_SCALING_HEADER:
+        values = _table(path, lines, _OLDER_SCALING_HEADER)
+        return values, ("m",) * len(values)
+    _check_header(path, lines[0], _SCALING_HEADER)
+    units = []
+    for number, line in enumerate(lines[1:], start=1):
+        unit = line[1].strip() if len(line) > 1 else ""
+        if len(line) == len(_SCALING_HEADER) and unit not in UNITS:
+            raise InputError(f"{path}: row {number}, column position_unit: {unit!r}; give one of {', '.join(UNITS)}")
+        units.append(unit)
+    rest = [[cell for k, cell in enumerate(line) if k != 1] for line in lines]
+    return _table(path, rest, ["axis", *_SCALING_COLUMNS]), tuple(units)
 
 
 def _hidden_header(n_axes: int) -> list[str]:
     return ["neuron", *(f"w_q{i}" for i in range(1, n_axes + 1)), "bias"]
 
 
-def _csv_text(header: list[str], rows: np.ndarray) -> str:
+def _csv_text(header: list[str], rows: np.ndarray, words: Sequence[str] = ()) -> str:
+    """Text of a numbered table; words, if any, stand between number and values."""
     lines = [",".join(header)]
-    lines += [",".join([str(number), *(repr(float(v)) for v in row)]) for number, row in enumerate(rows, start=1)]
+    for number, row in enumerate(rows, start=1):
+        lines.append(",".join([str(number), *words[number - 1 : number], *(repr(float(v)) for v in row)]))
     return "\n".join(lines) + "\n"
 
 
 def _read_table(path: Path, header: list[str]) -> np.ndarray:
     """Values of a numbered table without its first column; rows must be numbered 1, 2, 3 ..."""
+    return _table(path, _read_lines(path, header), header)
+
+
+def _read_lines(path: Path, header: list[str]) -> list[list[str]]:
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             lines = [line for line in csv.reader(file, strict=True) if line]
@@ -121,17 +145,24 @@ def _read_table(path: Path, header: list[str]) -> np.ndarray:
         raise InputError(f"{path}: not a CSV file ({error}); give comma separated text") from error
     if not lines:
         raise InputError(f"{path}: empty; its first line must be {','.join(header)}")
-    found = [name.strip() for name in lines[0]]
-    present = set(found)
-    for name in header:
-        if name not in present:
-            raise InputError(f"{path}: row 0 (header): column {name} is missing; the header must be {_short(header)}")
-    if found != header:
-        raise InputError(f"{path}: row 0 (header): found {_short(found)}; the header must be {_short(header)}")
+    return lines
+
+
+def _table(path: Path, lines: list[list[str]], header: list[str]) -> np.ndarray:
+    _check_header(path, lines[0], header)
     if len(lines) == 1:
         raise InputError(f"{path}: no rows below the header; give one per {header[0]}")
     values = [_read_row(path, number, line, header) for number, line in enumerate(lines[1:], start=1)]
     return np.array(values)
+
+
+def _check_header(path: Path, line: list[str], header: list[str]) -> None:
+    found = [name.strip() for name in line]
+    for name in header:
+        if name not in found:
+            raise InputError(f"{path}: row 0 (header): column {name} is missing; the header must be {_short(header)}")
+    if found != header:
+        raise InputError(f"{path}: row 0 (header): found {_short(found)}; the header must be {_short(header)}")
 
 
 def _read_row(path: Path, number: int, line: list[str], header: list[str]) -> list[float]:

@@ -22,8 +22,10 @@ from gravcomp.files import write_all_atomically
 from gravcomp.prototype.body import TIME_STEP_S
 from gravcomp.prototype.imperfections import Effect
 from gravcomp.prototype.plant import Plant
+from gravcomp.robot.machine import Machine
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics, jacobian, passive_jacobian
 from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.robot import spheiro_of
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp.robot.spheiro.workspace import pose, sample_workspace
 
@@ -68,7 +70,7 @@ class Sample(NamedTuple):
 
 
 def measure(
-    p: RobotParameters,
+    machine: Machine,
     effects: Sequence[Effect],
     n_points: int,
     seed: int,
@@ -86,13 +88,14 @@ def measure(
         raise InputError(f"mode {mode!r} with {n_points} points; give one of {', '.join(MODES)} and at least 8 points")
     rng = np.random.default_rng(seed)
     n_static = {"static": n_points, "motion": 0, "both": n_points // 4}[mode]
+    p = spheiro_of(machine)
     poses = sample_workspace(n_static, p, int(rng.integers(2**31)))
-    plant = Plant(p, effects)
+    plant = Plant(machine, effects)
     with _watched(n_points) as progress:
         samples = hold_poses(plant, poses, clear_sides(poses, p, rng), progress) if n_static else []
         samples += follow_path(plant, n_points - n_static, rng, speed, n_static * _HOLD_PERIOD_S, progress)
     t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))
-    current = (effort + noise_n * rng.standard_normal(effort.shape)) / p.thrust_constant_n_per_a
+    current = (effort + noise_n * rng.standard_normal(effort.shape)) / machine.drive.effort_per_ampere
     return Log(t, q, v, current, temperature, effort)
 
 
@@ -202,7 +205,7 @@ def log_csv(log: Log, with_temperature: bool = False) -> str:
     return "\n".join([",".join(header), *(row_format % tuple(row) for row in table)]) + "\n"
 
 
-def write_measurement(path: Path | str, log: Log, effects: Sequence[Effect], p: RobotParameters, **facts) -> Path:
+def write_measurement(path: Path | str, log: Log, effects: Sequence[Effect], machine: Machine, **facts) -> Path:
     """Write the CSV, and beside it the sealed answer, whose path is returned. Raises InputError if it cannot."""
     path = Path(path)
     if not path.name:
@@ -210,7 +213,7 @@ def write_measurement(path: Path | str, log: Log, effects: Sequence[Effect], p: 
     sealed = path.with_suffix(".sealed.json")
     if sealed == path:
         raise InputError(f"{path}: that name is the sealed answer's; give one that ends in .csv")
-    effect_n = log.effort_n - holding_forces_at(log.q_m, p)
+    effect_n = log.effort_n - machine.robot.forces(log.q_m)
     answer = {
         "effects": [{"name": e.name, "on_list": e.on_list, "params": e.parameters()} for e in effects],
         "effect_rms_n": float(np.sqrt(np.mean(effect_n**2))),

@@ -7,8 +7,9 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.prototype.body import SERVO_KD_NS_PER_M, SERVO_KI_N_PER_MS, SERVO_KP_N_PER_M, TIME_STEP_S, Prototype
 from gravcomp.prototype.imperfections import Effect, State
+from gravcomp.robot.machine import Machine
 from gravcomp.robot.spheiro.kinematics import direct_kinematics
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.spheiro.robot import spheiro_of
 from gravcomp.robot.spheiro.statics import holding_forces_at
 
 # Acting on the error, the sum of all errors, and the error's rate behind a first-order filter of 5 ms.
@@ -24,8 +25,9 @@ class Plant:
     ``reading_m`` (3,), m, is the last quantised reading; ``state`` is what the effects see.
     """
 
-    def __init__(self, p: RobotParameters, effects: Sequence[Effect] = ()):
-        self.parameters = p
+    def __init__(self, machine: Machine, effects: Sequence[Effect] = ()):
+        self.parameters = p = spheiro_of(machine)
+        self._drive = machine.drive
         self.robot = robot = Prototype(p)
         robot.mujoco.set_mju_user_warning(lambda message: None)  # or the engine leaves a log file; see check_control
         for effect in effects:
@@ -95,11 +97,10 @@ class Plant:
             effect.reset(self.state)
 
     def _read(self) -> np.ndarray:
-        count = self.parameters.encoder_m_per_count
         position = self.state.q_m
         for shift in self._shifts:
             position = position + shift(self.state)
-        return count * np.rint(position / count)
+        return self._drive.positions(self._drive.counts(position))
 
     def _apply_forces(self) -> None:
         robot, state = self.robot, self.state

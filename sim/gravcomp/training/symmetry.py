@@ -1,24 +1,27 @@
-"""The robot's three-fold symmetry: turning the axes 1 -> 2 -> 3 -> 1 turns the forces with them.
+"""A robot's cyclic symmetry: turning the axes 1 -> 2 -> ... -> n -> 1 turns the efforts with them.
 
-f(P q) = P f(q) with P the cyclic permutation of axes. It holds when masses, gravity and workspace are symmetric about
-(1,1,1), as on the nominal robot.
+f(P q) = P f(q) with P the cyclic permutation of axes. Three-fold on a Sphe.I.Ro. whose masses, gravity and workspace
+are symmetric about (1,1,1).
 """
 
 import numpy as np
 
-from gravcomp.robot.spheiro.kinematics import inverse_kinematics
-from gravcomp.robot.spheiro.parameters import RobotParameters
-from gravcomp.robot.spheiro.statics import holding_forces, holding_forces_at
-from gravcomp.robot.spheiro.workspace import sample_workspace
+from gravcomp.robot.protocol import PoseError, Robot
 
-_TOLERANCE_N = 1e-6
+_TOLERANCE = 1e-8  # of the largest effort
 
 
-def is_cyclic(p: RobotParameters) -> bool:
-    """Whether the robot's forces have the symmetry, tried at random poses."""
-    rotation = sample_workspace(20, p, seed=0)
-    turned = holding_forces_at(np.roll(inverse_kinematics(rotation, p), 1, axis=-1), p)
-    return bool(np.abs(turned - np.roll(holding_forces(rotation, p), 1, axis=-1)).max() < _TOLERANCE_N)
+def is_cyclic(robot: Robot) -> bool:
+    """Whether the robot's efforts have the symmetry, tried at random poses."""
+    if robot.n_axes < 2 or len(set(robot.position_units)) > 1:
+        return False
+    q = robot.workspace(20, 0)
+    wanted = np.roll(robot.forces(q), 1, axis=-1)
+    try:
+        turned = robot.forces(np.roll(q, 1, axis=-1))
+    except PoseError:
+        return False
+    return bool(np.abs(turned - wanted).max() <= _TOLERANCE * np.abs(wanted).max())
 
 
 def cyclic_images(values: np.ndarray) -> np.ndarray:
@@ -26,7 +29,7 @@ def cyclic_images(values: np.ndarray) -> np.ndarray:
     return np.concatenate([np.roll(values, k, axis=1) for k in range(values.shape[1])])
 
 
-def cyclic_tie(n_hidden: int, n_axes: int = 3) -> np.ndarray:
+def cyclic_tie(n_hidden: int, n_axes: int) -> np.ndarray:
     """Tie under which a network has the symmetry exactly, for ``levenberg_marquardt.Problem``.
 
     Neurons come in orbits of n_axes whose weights are permutations of one another; neurons left over are their own

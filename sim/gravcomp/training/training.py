@@ -1,8 +1,8 @@
 """Training: from the robot's statics to a network: data, search, polish, weights on the hardware's grid.
 
 Two rounds of independent, seeded searches on part of the poses: random starts with weights tied by the robot's
-symmetry, then hops from the best of them with all weights free. The best is polished on all poses; its weights are
-snapped to the 18-bit codes of the hardware and the output layer is solved again.
+symmetry, where it has one, then hops from the best of them with all weights free. The best is polished on all poses;
+its weights are snapped to the 18-bit codes of the hardware and the output layer is solved again.
 """
 
 import hashlib
@@ -17,10 +17,8 @@ from tqdm import tqdm
 from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
 from gravcomp.network.weights import Network
-from gravcomp.robot.spheiro.kinematics import inverse_kinematics
-from gravcomp.robot.spheiro.parameters import RobotParameters
-from gravcomp.robot.spheiro.statics import holding_forces
-from gravcomp.robot.spheiro.workspace import sample_workspace
+from gravcomp.robot.machine import Drive, Machine
+from gravcomp.robot.protocol import Robot
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
 from gravcomp.training.scaling import Scaling, workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws
@@ -35,14 +33,14 @@ _POLISH = Stop(steps=1500, stall=1e-5)
 
 @dataclass(frozen=True)
 class TrainingSet:
-    """Poses with their holding forces: q_m (N, n), m; f_n (N, n), N."""
+    """Poses with their holding efforts: q (N, n), m or rad; f (N, n), N or Nm."""
 
-    q_m: np.ndarray
-    f_n: np.ndarray
+    q: np.ndarray
+    f: np.ndarray
 
     def hash(self) -> str:
-        """SHA-256 of the set in whole nanometres and micronewtons: the same on every machine."""
-        codes = np.rint(np.c_[self.q_m * 1e9, self.f_n * 1e6]).astype("<i8")
+        """SHA-256 of the set in whole nanometres or nanoradians and micronewtons: the same on every machine."""
+        codes = np.rint(np.c_[self.q * 1e9, self.f * 1e6]).astype("<i8")
         return hashlib.sha256(codes.tobytes()).hexdigest()
 
 
@@ -59,19 +57,19 @@ class Effort:
     search_poses: int = 600
 
 
-def workspace_set(n_poses: int, p: RobotParameters, seed: int) -> TrainingSet:
+def workspace_set(n_poses: int, robot: Robot, seed: int) -> TrainingSet:
     """n_poses random poses of the workspace. Raises InputError when n_poses is below 1 or seed below 0."""
     if n_poses < 1:
         raise InputError(f"{n_poses} poses; give at least 1")
     if seed < 0:
         raise InputError(f"seed {seed} is negative; give 0 or more")
-    rotation = sample_workspace(n_poses, p, seed)
-    return TrainingSet(inverse_kinematics(rotation, p), holding_forces(rotation, p))
+    q = robot.workspace(n_poses, seed)
+    return TrainingSet(q, robot.forces(q))
 
 
 def train(
     data: TrainingSet,
-    p: RobotParameters,
+    machine: Machine,
     *,
     n_hidden: int = 20,
     n_starts: int = 4,
@@ -85,9 +83,9 @@ def train(
     Chosen by training error alone. Raises InputError for sizes below 1, too few poses, or a backend that is absent.
     """
     _check(data, n_hidden, n_starts)
-    scaling = workspace_scaling(p)
-    x, y = scaling.x(data.q_m), scaling.y(data.f_n)
-    symmetric = is_cyclic(p)
+    scaling = workspace_scaling(machine)
+    x, y = scaling.x(data.q), scaling.y(data.f)
+    symmetric = is_cyclic(machine.robot) and scaling.is_uniform
     seeds = np.random.SeedSequence(seed).spawn(2 * n_starts)
     common = (x[: effort.search_poses], y[: effort.search_poses], n_hidden, activation, symmetric, effort)
     first = run_parallel(draw_start, [(*common, s) for s in seeds[:n_starts]], backend, f"{n_hidden} neurons, starts")
@@ -97,7 +95,7 @@ def train(
     problem = _problem(x, y, n_hidden, activation, symmetric)
     with one_blas_thread():
         fit = levenberg_marquardt(problem, best.hidden, _POLISH)
-    return snapped(fit, problem, scaling, p), fit
+    return snapped(fit, problem, scaling, machine.drive), fit
 
 
 def draw_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, seed) -> Fit:
@@ -114,44 +112,34 @@ def hop_on(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort
     return basin_hopping(problem, fit, effort.hops, np.random.default_rng(seed))
 
 
-def snapped(fit: Fit, problem: Problem, scaling: Scaling, p: RobotParameters) -> Network:
+def snapped(fit: Fit, problem: Problem, scaling: Scaling, drive: Drive) -> Network:
     """The network with W and V on the hardware's grid: each layer is rounded, then what follows it is solved again.
 
     Raises InputError when the hardware cannot hold the weights.
     """
-    fixed = quantise(as_network(fit.hidden, fit.output, scaling), p)
+    fixed = quantise(as_network(fit.hidden, fit.output, scaling), drive)
     hidden = np.c_[fixed.hidden_weights * 2.0**-fixed.weight_fraction, fit.hidden[:, -1]]
     point = problem.at(hidden.ravel())
-    fixed = quantise(as_network(hidden, point.output, scaling), p)
+    fixed = quantise(as_network(hidden, point.output, scaling), drive)
     weights = fixed.output_weights * 2.0**-fixed.output_weight_fraction
     bias = (problem.y - point.act[:, :-1] @ weights.T).mean(axis=0)
     return as_network(hidden, np.c_[weights, bias], scaling)
 
 
 def as_network(hidden: np.ndarray, output: np.ndarray, scaling: Scaling) -> Network:
-    """A Network from [W b_H], [V b_o] and one scaling for all axes."""
-    each = np.ones(len(output))
-    return Network(
-        hidden[:, :-1],
-        hidden[:, -1],
-        output[:, :-1],
-        output[:, -1],
-        0.0 * each,
-        scaling.q_scale_per_m * each,
-        scaling.f_offset_n * each,
-        scaling.f_scale_n * each,
-    )
+    """A Network from [W b_H], [V b_o] and the scaling."""
+    return Network(hidden[:, :-1], hidden[:, -1], output[:, :-1], output[:, -1], **vars(scaling))
 
 
 def mean_square_error_n2(network: Network, data: TrainingSet, activation: str = "gamma") -> float:
     """Mean over poses and axes of the squared force error, N^2."""
-    error = network.forces(data.q_m, ACTIVATIONS[activation].value) - data.f_n
+    error = network.forces(data.q, ACTIVATIONS[activation].value) - data.f
     return float(np.mean(error**2))
 
 
 def evaluate(network: Network, data: TrainingSet, unseen: TrainingSet, activation: str = "gamma") -> dict[str, float]:
     """Figures of a network on its training poses and on unseen ones; errors in N, weights without unit."""
-    error_n = network.forces(unseen.q_m, ACTIVATIONS[activation].value) - unseen.f_n
+    error_n = network.forces(unseen.q, ACTIVATIONS[activation].value) - unseen.f
     return {
         "train_mse_n2": mean_square_error_n2(network, data, activation),
         "test_mse_n2": float(np.mean(error_n**2)),
@@ -198,7 +186,7 @@ class _ProgressParallel(Parallel):
 
 
 def _problem(x, y, n_hidden: int, activation: str, symmetric: bool) -> Problem:
-    """All parameters free; a symmetric robot gives every pose three times, once from each axis."""
+    """All parameters free; a symmetric robot gives every pose n times, once from each axis."""
     if symmetric:
         x, y = cyclic_images(x), cyclic_images(y)
     return Problem(x, y, n_hidden, ACTIVATIONS[activation], None, RIDGE)
@@ -209,5 +197,5 @@ def _check(data: TrainingSet, n_hidden: int, n_starts: int) -> None:
         if value < 1:
             raise InputError(f"{value} {name}; give at least 1")
     n_needed = 2 * n_hidden + 2  # as many equations as parameters, with some to spare
-    if len(data.q_m) < n_needed:
-        raise InputError(f"{len(data.q_m)} poses for {n_hidden} hidden neurons; give at least {n_needed}")
+    if len(data.q) < n_needed:
+        raise InputError(f"{len(data.q)} poses for {n_hidden} hidden neurons; give at least {n_needed}")

@@ -7,9 +7,7 @@ import numpy as np
 from gravcomp.core import formats as q
 from gravcomp.core.formats import FixedNetwork, bits_for, partial_sum_interval
 from gravcomp.network.weights import Network
-from gravcomp.robot.spheiro.kinematics import inverse_kinematics
-from gravcomp.robot.spheiro.parameters import RobotParameters
-from gravcomp.robot.spheiro.workspace import sample_workspace
+from gravcomp.robot.machine import Machine
 from gravcomp.twin import network as bittrue
 
 
@@ -45,9 +43,8 @@ def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
     force = tuple(y * scale >> fixed.output_scale_fraction for y in (-half, half - 1))
     rounding = 1 << fixed.current_scale_fraction - 1
     full_force = 2 ** (q.FORCE_BITS - 1)
-    current = tuple(
-        f * fixed.current_scale + rounding >> fixed.current_scale_fraction for f in (-full_force, full_force - 1)
-    )
+    per_mn = int(fixed.current_scale.max())
+    current = tuple(f * per_mn + rounding >> fixed.current_scale_fraction for f in (-full_force, full_force - 1))
     return {
         "count code": Interval(int(codes[0].min()), int(codes[1].max()), q.OPERAND_BITS),
         "x": Interval(int(fixed.x_low.min()), int(fixed.x_high.max()), q.OPERAND_BITS),
@@ -60,8 +57,7 @@ def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
     }
 
 
-def fixed_point_error_mn(network: Network, fixed: FixedNetwork, p: RobotParameters, n_poses: int, seed: int):
+def fixed_point_error_mn(network: Network, fixed: FixedNetwork, machine: Machine, n_poses: int, seed: int):
     """Forces of the core less those of the float network at exact positions, mN, (n_poses, n), over the workspace."""
-    q_m = inverse_kinematics(sample_workspace(n_poses, p, seed), p)
-    counts = np.rint(q_m / p.encoder_m_per_count).astype(np.int64)
-    return bittrue.core(counts, fixed).force_mn - 1000.0 * network.forces(q_m)
+    q = machine.robot.workspace(n_poses, seed)
+    return bittrue.core(machine.drive.counts(q), fixed).force_mn - 1000.0 * network.forces(q)

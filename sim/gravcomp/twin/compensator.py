@@ -3,7 +3,6 @@
 import numpy as np
 
 from gravcomp.core import formats as q
-from gravcomp.core.compensation import Compensation
 from gravcomp.core.compensator_tables import (
     FRACTION_BITS,
     MANTISSA_BITS,
@@ -13,7 +12,7 @@ from gravcomp.core.compensator_tables import (
     PHASE_BITS,
     FixedCompensation,
 )
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.machine import Drive
 from gravcomp.twin.network import saturate
 
 
@@ -60,9 +59,9 @@ def compensator(
     return saturate(total, q.FORCE_BITS)
 
 
-def period_of(v_mps: np.ndarray, c: Compensation, p: RobotParameters) -> np.ndarray:
+def period_of(v_mps: np.ndarray, drive: Drive) -> np.ndarray:
     """What gc_speed_meter gives at steady speeds v (..., n), m/s: signed clocks per 4 counts; at rest 2**31 - 1."""
-    with np.errstate(divide="ignore", invalid="ignore"):  # at rest, and without friction, where no clock is given
-        clocks = 4 * c.clock_hz * p.encoder_m_per_count / np.abs(v_mps)
+    with np.errstate(divide="ignore"):  # at rest
+        clocks = 4 * drive.clock_hz * drive.unit_per_count / np.abs(v_mps)
     known = np.clip(np.floor(np.where(np.isfinite(clocks), clocks, 0.0)), 1, 2**31 - 1).astype(np.int64)
     return np.where(np.isfinite(clocks) & (clocks < 2**31), np.where(np.asarray(v_mps) < 0, -known, known), 2**31 - 1)

@@ -71,6 +71,6 @@ def core(count: np.ndarray, fixed: FixedNetwork) -> CoreOutput:
 
 
 def current_scaler(force_mn: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
-    """gc_current_scaler: motor currents in uA (..., n), rounded, from forces in mN: i = f / K_t."""
+    """gc_current_scaler: motor currents in uA (..., n), rounded, from forces in mN: i = f / K_t, K_t per axis."""
     half = 2 ** (fixed.current_scale_fraction - 1)
     return force_mn * fixed.current_scale + half >> fixed.current_scale_fraction

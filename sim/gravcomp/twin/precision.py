@@ -16,7 +16,7 @@ from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, Networ
 from gravcomp.twin.network import core, input_scaler, output_scaler
 
 N_COUNTS, SEED = 20000, 43
-# Of the largest f_scale_n, RMS. Ten times what the formats cost a network that uses their bits well, and a quarter of
+# Of the largest f_scale, RMS. Ten times what the formats cost a network that uses their bits well, and a quarter of
 # what the shipped one misses of the statics.
 MAX_SHARE = 2.5e-4
 
@@ -50,22 +50,22 @@ class Precision:
 
 
 def precision(
-    network: Network, fixed: FixedNetwork, step_m: float | np.ndarray, setter: Network | None = None
+    network: Network, fixed: FixedNetwork, step: float | np.ndarray, setter: Network | None = None
 ) -> Precision:
     """Fixed against float at N_COUNTS positions, uniform over the trained range of every axis.
 
-    step_m: one encoder count. setter: the network whose formats these are, if another. Positions at which the core
+    step: one encoder count. setter: the network whose formats these are, if another. Positions at which the core
     flags saturation are left out: those are told at run time.
     """
     rng = np.random.default_rng(SEED)
     counts = rng.integers(fixed.count_low, fixed.count_high + 1, (N_COUNTS, network.n_axes))
-    answer, wanted_n = core(counts, fixed), network.forces(counts * step_m)
+    answer, wanted_n = core(counts, fixed), network.forces(counts * step)
     error_mn = np.where(answer.saturated, 0.0, answer.force_mn - 1000.0 * wanted_n)
-    stages = _stages(network, fixed, counts, step_m, ~answer.saturated, setter or network)
+    stages = _stages(network, fixed, counts, step, ~answer.saturated, setter or network)
     return Precision(
         _rms(error_mn),
         float(np.abs(error_mn).max()),
-        1000.0 * MAX_SHARE * float(network.f_scale_n.max()),
+        1000.0 * MAX_SHARE * float(network.f_scale.max()),
         tuple(sorted(stages, key=lambda stage: -stage.rms_mn)),
     )
 
@@ -90,9 +90,9 @@ def certified(found: Precision, folder: Path | str, core_folder: Path | str | No
     )
 
 
-def _stages(network: Network, fixed: FixedNetwork, counts, step_m, is_whole, setter: Network) -> list[Stage]:
+def _stages(network: Network, fixed: FixedNetwork, counts, step, is_whole, setter: Network) -> list[Stage]:
     """Each stage in its format and all the others in float. is_whole (N, n): forces that do not saturate."""
-    q_m = counts * step_m
+    q_m = counts * step
     exact_n = network.forces(q_m)
     hidden = replace(network, hidden_weights=np.ldexp(fixed.hidden_weights, -fixed.weight_fraction))
     output = replace(network, output_weights=np.ldexp(fixed.output_weights, -fixed.output_weight_fraction))
@@ -103,10 +103,10 @@ def _stages(network: Network, fixed: FixedNetwork, counts, step_m, is_whole, set
         "forces": _scaled(network, fixed, exact_n),
     }
     sets = {
-        "positions": _in_scaling(setter, "q_offset_m", setter.q_offset_m * setter.q_scale_per_m, "q_scale_per_m"),
+        "positions": _in_scaling(setter, "q_offset", setter.q_offset * setter.q_scale, "q_scale"),
         "hidden weights": (HIDDEN_CSV, *_largest(setter.hidden_weights, "w_q")),
         "output weights": (OUTPUT_CSV, *_largest(setter.output_weights, "v_")),
-        "forces": _in_scaling(setter, "f_offset_n", setter.f_offset_n / setter.f_scale_n, "f_scale_n"),
+        "forces": _in_scaling(setter, "f_offset", setter.f_offset / setter.f_scale, "f_scale"),
     }
     return [
         Stage(name, 1000.0 * _rms(np.where(is_whole, forces - exact_n, 0.0)), *sets[name])
@@ -116,13 +116,13 @@ def _stages(network: Network, fixed: FixedNetwork, counts, step_m, is_whole, set
 
 def _positions(network: Network, fixed: FixedNetwork, counts: np.ndarray, q_m: np.ndarray) -> np.ndarray:
     """Positions (N, n), m, as the core sees them, without the offset that its biases make up for."""
-    error_m = np.ldexp(input_scaler(counts, fixed)[0], -fixed.x_fraction) / network.q_scale_per_m - q_m
+    error_m = np.ldexp(input_scaler(counts, fixed)[0], -fixed.x_fraction) / network.q_scale - q_m
     return q_m + error_m - error_m.mean(axis=0)
 
 
 def _scaled(network: Network, fixed: FixedNetwork, forces_n: np.ndarray) -> np.ndarray:
     """Forces (N, n), N, through the last format and scale alone; the halves of what they truncate are in the bias."""
-    y = (forces_n + 0.5e-3) / network.f_scale_n + 2.0 ** -(fixed.y_fraction + 1)
+    y = (forces_n + 0.5e-3) / network.f_scale + 2.0 ** -(fixed.y_fraction + 1)
     fraction = q.HIDDEN_FRACTION + fixed.output_weight_fraction
     return 1e-3 * output_scaler(np.floor(np.ldexp(y, fraction)).astype(np.int64), fixed)[0]
 

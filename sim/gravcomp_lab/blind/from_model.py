@@ -12,10 +12,10 @@ import numpy as np
 from gravcomp.diagnosis.effects import effect_named
 from gravcomp.logs.force_surface import fit_force_function
 from gravcomp.logs.measurement import Measurement
+from gravcomp.robot.machine import Machine
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
-from gravcomp.robot.spheiro.parameters import RobotParameters, load_parameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp.robot.spheiro.workspace import pose, sample_workspace
+from gravcomp_lab.shipped import shipped_machine
 
 CASES = ("listed", "clean", "unlisted", "pair")
 # Two of these together are one of them with other parameters.
@@ -74,13 +74,14 @@ def _case(data, kind, truth, force, noise, machine, ratio, axes) -> Case:
 
 
 def _machine(machine: str, rng) -> Measurement:
-    p = load_parameters()
+    machine_folder = shipped_machine()
+    p = machine_folder.robot.parameters
     temp = bool(rng.random() < 0.3)
     if machine == "holds":
         n = int(rng.choice([120, 300, 1000, 3000]))
         q = inverse_kinematics(sample_workspace(n, p, int(rng.integers(2**31))), p)
         v = rng.choice([-1.0, 1.0], q.shape) * rng.uniform(0.0005, 0.01, q.shape)
-        return _robot(p, 3.0 * np.arange(n), q, v, temp, rng)
+        return _robot(machine_folder, 3.0 * np.arange(n), q, v, temp, rng)
     if machine == "motion":
         n = int(rng.choice([1200, 3600]))
         t = np.arange(n) * 0.1
@@ -89,14 +90,14 @@ def _machine(machine: str, rng) -> Measurement:
         tilt = np.deg2rad(18.0) * (1.0 + 0.8 * np.sin(w * t + phase[0]))
         rotation = pose(0.618 * w * t + phase[1], tilt, np.deg2rad(18.0) * np.sin(0.733 * w * t + phase[2]))
         q = inverse_kinematics(rotation, p)
-        return _robot(p, t, q, np.gradient(q, t, axis=0), temp, rng)
+        return _robot(machine_folder, t, q, np.gradient(q, t, axis=0), temp, rng)
     return _single(machine, rng, temp)
 
 
-def _robot(p: RobotParameters, t, q, v, temp, rng) -> Measurement:
-    q = np.round(q / p.encoder_m_per_count) * p.encoder_m_per_count
-    return Measurement("blind", t, q, v, np.zeros_like(q), holding_forces_at(q, p), "N", ("m",) * 3,
-                       _temperature(t, rng) if temp else None, lambda at: holding_forces_at(at, p), p)  # fmt: skip
+def _robot(machine: Machine, t, q, v, temp, rng) -> Measurement:
+    q, robot = machine.drive.positions(machine.drive.counts(q)), machine.robot
+    return Measurement("blind", t, q, v, np.zeros_like(q), robot.forces(q), "N", ("m",) * 3,
+                       _temperature(t, rng) if temp else None, robot.forces, robot)  # fmt: skip
 
 
 def _single(machine: str, rng, temp) -> Measurement:

@@ -15,9 +15,8 @@ from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
 from gravcomp.prototype.experiment import DEFAULT_NOISE_N, MODES, measure, write_measurement
 from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED, Effect
-from gravcomp.robot.spheiro.parameters import load_parameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT
+from gravcomp_lab.shipped import shipped_machine
 
 DRAWN = [name for name in LISTED if name != "inertia"]  # slow motion hides it
 OF_SPEED = ("viscous_friction", "stribeck_friction")  # holds don't show it
@@ -40,18 +39,18 @@ def measure_case(folder: Path, kind: str, seed: int) -> Path:
     path = folder / f"{kind}_{seed}.csv"
     if path.exists() and path.with_suffix(".sealed.json").exists():
         return path
-    p = load_parameters()
+    machine = shipped_machine()
     rng = np.random.default_rng([CASES.index(kind), seed, 7])
     mode = str(rng.choice(MODES))
     for _ in range(_TRIES):
         effects = _draw(kind, mode, rng)
         try:
-            log = measure(p, effects, POINTS[mode], seed, mode=mode)
+            log = measure(machine, effects, POINTS[mode], seed, mode=mode)
         except InputError:  # too much for the PID, as it would be for the machine
             continue
-        if effects and np.sqrt(np.mean((log.effort_n - holding_forces_at(log.q_m, p)) ** 2)) < DEFAULT_NOISE_N:
+        if effects and np.sqrt(np.mean((log.effort_n - machine.robot.forces(log.q_m)) ** 2)) < DEFAULT_NOISE_N:
             continue
-        write_measurement(path, log, effects, p, seed=seed, mode=mode, noise_n=DEFAULT_NOISE_N,
+        write_measurement(path, log, effects, machine, seed=seed, mode=mode, noise_n=DEFAULT_NOISE_N,
                           effort_n=np.round(log.effort_n, 6).tolist())  # fmt: skip
         return path
     raise InputError(f"{path}: none of {_TRIES} drawn sets of effects could be measured; take another seed")
@@ -59,7 +58,7 @@ def measure_case(folder: Path, kind: str, seed: int) -> Path:
 
 def read_case(path: Path) -> Measurement:
     """What the diagnosis gets to see."""
-    return read_measurement(path, load_parameters())
+    return read_measurement(path, shipped_machine())
 
 
 def open_seal(path: Path) -> Answer:

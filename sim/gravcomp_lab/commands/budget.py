@@ -5,7 +5,8 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.machine import load_machine
+from gravcomp.robot.spheiro.robot import spheiro_of
 from gravcomp_lab.paper.operations import count_network_operations, count_statics_operations
 
 KINDS = ("multiplications", "sums")
@@ -25,7 +26,7 @@ def run(arguments):
         raise InputError(f"{arguments.rtl}: no such count, or a damaged one; start `make budget`") from None
     network, statics = (
         count_network_operations(load_network(arguments.weights)),
-        count_statics_operations(load_parameters()),
+        count_statics_operations(spheiro_of(load_machine(arguments.weights))),
     )
     print("| what | multiplications | sums | divisions | square roots | trigonometric | all |")
     print("|---|---|---|---|---|---|---|")

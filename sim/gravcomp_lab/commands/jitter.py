@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.machine import load_machine
 from gravcomp_lab.pages import renew
 from gravcomp_lab.peers import jitter
 from gravcomp_lab.peers.design import workspace_positions
@@ -23,7 +23,7 @@ def add_arguments(parser):
 
 def run(arguments):
     rows, network = core_rows(arguments.build), load_network(arguments.weights)
-    q_m = workspace_positions(load_parameters(), N_POSES, SEED)
+    q_m = workspace_positions(load_machine(arguments.weights), N_POSES, SEED)
     programs = {
         name: jitter.compile_c(network, q_m, flags, arguments.build / "jitter" / str(number))
         for number, (name, flags) in enumerate(jitter.C_FLAGS.items())

@@ -9,7 +9,7 @@ from tqdm import tqdm
 
 from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.machine import load_machine
 from gravcomp_lab.pages import renew
 from gravcomp_lab.peers import report
 from gravcomp_lab.peers.claims import claims
@@ -45,7 +45,7 @@ def run(arguments):
         raise InputError(f"{error.name}: not installed; start `make peers`") from error
     ours = core_rows(arguments.build, core_error(arguments.weights, N_POSES, SEED))
     network = load_network(arguments.weights)
-    x, folder = normalised_inputs(network, load_parameters(), N_POSES, SEED), arguments.build / "peers"
+    x, folder = normalised_inputs(network, load_machine(arguments.weights), N_POSES, SEED), arguments.build / "peers"
     designs = [nngen_peer.generate(network, x, folder / "nngen")]
     designs += [
         da4ml_peer.generate(network, x, folder / name, activation=activation, cutoff=cutoff)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from gravcomp.core.formats import FORCE_BITS, quantise
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.machine import load_machine
 from gravcomp_lab.simulated.pictures import error_maps, run_picture, save_figure
 from gravcomp_lab.simulated.run import error_table, load_run
 
@@ -16,12 +16,12 @@ def add_arguments(parser):
 
 
 def run(arguments):
-    p = load_parameters()
-    fixed = quantise(load_network(arguments.weights), p, arguments.weights)
-    table = error_table(load_run(arguments.run / "poses.csv"), fixed, p)
+    machine = load_machine(arguments.weights)
+    fixed = quantise(load_network(arguments.weights), machine.drive, arguments.weights)
+    table = error_table(load_run(arguments.run / "poses.csv"), fixed, machine)
     waves = run_picture(arguments.run / "run.vcd", fixed.n_axes, FORCE_BITS)
     folder = arguments.pictures or arguments.run
-    save_figure(error_maps(fixed, p), folder / "error_maps.png")
+    save_figure(error_maps(fixed, machine), folder / "error_maps.png")
     save_figure(waves, folder / "run.png")
     print("Simulated VHDL (gc_force_path, from its encoder pins) against the bit-true model and the statics:\n")
     print(table)

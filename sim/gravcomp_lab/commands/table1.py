@@ -4,9 +4,9 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp.training.training import BACKENDS, N_TEST_POSES, workspace_set
 from gravcomp_lab.paper.table1 import GRADIENT_THRESHOLD, markdown, table1
+from gravcomp_lab.shipped import shipped_machine
 
 _HEADER = """# Table 1 of the paper, repeated
 
@@ -29,10 +29,10 @@ def add_arguments(parser):
 def run(arguments):
     if arguments.starts < 1:
         raise InputError(f"{arguments.starts} starts; give at least 1")
-    p = load_parameters()
-    data = workspace_set(arguments.poses, p, arguments.seed)
-    unseen = workspace_set(N_TEST_POSES, p, arguments.seed + 1)
-    rows = table1(data, unseen, p, n_starts=arguments.starts, seed=arguments.seed, backend=arguments.backend)
+    machine = shipped_machine()
+    data = workspace_set(arguments.poses, machine.robot, arguments.seed)
+    unseen = workspace_set(N_TEST_POSES, machine.robot, arguments.seed + 1)
+    rows = table1(data, unseen, machine, n_starts=arguments.starts, seed=arguments.seed, backend=arguments.backend)
     header = _HEADER.format(
         poses=arguments.poses,
         seed=arguments.seed,

@@ -6,7 +6,7 @@ from pathlib import Path
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.machine import load_machine
 from gravcomp_lab.paper.table2 import Sizes, findings, markdown, table2
 
 _HEADER = """# Table 2 of the paper, repeated
@@ -71,7 +71,7 @@ def run(arguments):
         raise InputError(f"--seed {arguments.seed} is negative; give 0 or more")
     began, began_cpu = time.monotonic(), time.process_time()
     sizes = Sizes()
-    table = table2(load_parameters(), load_network(arguments.weights), arguments.seed, sizes)
+    table = table2(load_machine(arguments.weights), load_network(arguments.weights), arguments.seed, sizes)
     seconds, cpu_seconds = time.monotonic() - began, time.process_time() - began_cpu
     header = _HEADER.format(seed=arguments.seed, seconds=cpu_seconds, test=sizes.test)
     text = _TEXT.format(

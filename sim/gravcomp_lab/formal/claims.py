@@ -15,9 +15,9 @@ from gravcomp.core.compensator_tables import (
 from gravcomp.core.formats import COUNT_BITS, OPERAND_BITS, FixedNetwork, quantise
 from gravcomp.core.image import WORD_BITS, image_words
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
 from gravcomp_lab.formal.model_check import Verdict, induct, model_check, shortest_run
 from gravcomp_lab.formal.sums import hidden_sums, output_sums
+from gravcomp_lab.shipped import SPHEIRO, shipped_machine
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 
 HIDDEN = 20
@@ -141,7 +141,7 @@ def _verify_sums(claim: Claim, design: Path, fixed: FixedNetwork) -> Verdict:
 
 def _network(checkers: Path) -> FixedNetwork:
     """The network that is shipped: tb/formal stands beside its weights."""
-    return quantise(load_network(checkers.parents[1] / "weights" / "spheiro"), load_parameters())
+    return quantise(load_network(SPHEIRO), shipped_machine().drive)
 
 
 def _scalar_bits(fixed: FixedNetwork) -> dict[str, int]:
@@ -151,13 +151,13 @@ def _scalar_bits(fixed: FixedNetwork) -> dict[str, int]:
 
 def _rom_scalars(fixed: FixedNetwork) -> str:
     """The last record of an image of the network that is shipped, which comes without compensation."""
-    words = image_words(fixed, quantise_compensation(no_compensation(fixed.n_axes), load_parameters()))
+    words = image_words(fixed, quantise_compensation(no_compensation(fixed.n_axes), shipped_machine().drive))
     return _packed(words[-_scalar_words(fixed) :], WORD_BITS)
 
 
 def _scalar_words(fixed: FixedNetwork) -> int:
-    axis_bits = 2 * COUNT_BITS + 4 * OPERAND_BITS + fixed.output_sum_bits + PHASE_STEP_BITS
-    return -(-(fixed.n_axes * axis_bits + OPERAND_BITS) // WORD_BITS)
+    axis_bits = 2 * COUNT_BITS + 5 * OPERAND_BITS + fixed.output_sum_bits + PHASE_STEP_BITS
+    return -(-(fixed.n_axes * axis_bits) // WORD_BITS)
 
 
 def _sections(fixed: FixedNetwork) -> dict[str, str]:

@@ -3,17 +3,18 @@
 from dataclasses import replace
 from pathlib import Path
 
+from gravcomp.core.folder import load_folder, save_folder
 from gravcomp.core.formats import quantise
 from gravcomp.core.image import Image, load_image
+from gravcomp.core.provenance import PROVENANCE_JSON
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.files import write_atomically
-from gravcomp.network.weights import load_network, save_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.network.weights import load_network
+from gravcomp.robot.machine import load_machine
 
 # Friction, friction by load and cogging on every axis, so that each part of the compensator is at work.
 COMPENSATION = """\
 axis,name,value
-all,clock_hz,4e7
 all,v_dead_mps,2e-4
 all,v_full_mps,4e-4
 all,fc_pos_n,1.7
@@ -37,16 +38,17 @@ def make_specimen(weights: Path, folder: Path) -> tuple[list[Path], Image]:
     Returns the folder of the packages' files and the image of the other weights: outputs scaled by IMAGE_SHARE.
     InputError when the weights cannot be read or held.
     """
-    p, network = load_parameters(), load_network(weights)
-    other = replace(network, output_weights=IMAGE_SHARE * network.output_weights)
-    for name, held in (("rom", network), ("image", other)):
-        save_network(held, folder / name)
+    content = load_folder(weights)
+    other = replace(content.network, output_weights=IMAGE_SHARE * content.network.output_weights)
+    for name, held in (("rom", content), ("image", replace(content, network=other))):
+        save_folder(folder / name, held)
+        write_atomically(folder / name / PROVENANCE_JSON, (weights / PROVENANCE_JSON).read_bytes())
         write_atomically(folder / name / "compensation.csv", COMPENSATION)
-    write_rom(folder / "rom", p, folder / "generated")
-    return sorted((folder / "generated").glob("*.vhd")), load_image(folder / "image", folder / "rom", p)
+    write_rom(folder / "rom", folder / "generated")
+    return sorted((folder / "generated").glob("*.vhd")), load_image(folder / "image", folder / "rom")
 
 
 def ua_per_mn(weights: Path) -> float:
-    """What a mN is as a current command, uA."""
-    fixed = quantise(load_network(weights), load_parameters())
-    return fixed.current_scale / 2**fixed.current_scale_fraction
+    """What a mN is as a current command, uA, on the axis where it is most."""
+    fixed = quantise(load_network(weights), load_machine(weights).drive)
+    return float(fixed.current_scale.max()) / 2**fixed.current_scale_fraction

@@ -13,28 +13,33 @@ from gravcomp.logs.measurement import Measurement
 from gravcomp.prototype.experiment import DEFAULT_NOISE_N, Log, clear_sides, hold_poses, log_csv, measure
 from gravcomp.prototype.imperfections import field_effects
 from gravcomp.prototype.plant import Plant
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.machine import Machine
+from gravcomp.robot.spheiro.robot import spheiro_of
 
 APPROACHES = ("random", "outward")
 
 
-def hold_field(p: RobotParameters, poses: np.ndarray, approach: str, seed: int) -> Measurement:
+def hold_field(machine: Machine, poses: np.ndarray, approach: str, seed: int) -> Measurement:
     """Hold poses (n, 3, 3), each approached from a random side that moves every joint, or moving outward from home.
 
     Returns what a reader of the log sees, n rows.
     """
     rng = np.random.default_rng(seed)
-    sides = Rotation.from_matrix(poses).as_rotvec() if approach == "outward" else clear_sides(poses, p, rng)
+    sides = (
+        Rotation.from_matrix(poses).as_rotvec()
+        if approach == "outward"
+        else clear_sides(poses, spheiro_of(machine), rng)
+    )
     with tqdm(total=len(poses), desc=f"holds, approach {approach}", delay=2.0, unit="pose") as progress:
-        samples = hold_poses(Plant(p, field_effects()), poses, sides, progress)
+        samples = hold_poses(Plant(machine, field_effects()), poses, sides, progress)
     t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))
-    current = (effort + DEFAULT_NOISE_N * rng.standard_normal(effort.shape)) / p.thrust_constant_n_per_a
-    return _as_read(Log(t, q, v, current, temperature, effort), p)
+    current = (effort + DEFAULT_NOISE_N * rng.standard_normal(effort.shape)) / machine.drive.effort_per_ampere
+    return _as_read(Log(t, q, v, current, temperature, effort), machine)
 
 
-def move_field(p: RobotParameters, n_samples: int, seed: int) -> Measurement:
+def move_field(machine: Machine, n_samples: int, seed: int) -> Measurement:
     """Slow motion through the workspace, there and back."""
-    return _as_read(measure(p, field_effects(), n_samples, seed, mode="motion"), p)
+    return _as_read(measure(machine, field_effects(), n_samples, seed, mode="motion"), machine)
 
 
 def true_forces(data: Measurement) -> np.ndarray:
@@ -48,12 +53,12 @@ def true_forces(data: Measurement) -> np.ndarray:
             name = {"coulomb_friction": "fc", "link_compliance": "c", "backlash": "gap"}[effect.name]
             found = {f"{name}_{axis}": value for axis, value in enumerate(given[name], start=1)}
         effects.append((effect.name, found))
-    return data.nominal + Model(robot=data.robot, effects=effects).predict(data)
+    return data.nominal + Model(effects=effects).predict(data)
 
 
-def _as_read(log: Log, p: RobotParameters) -> Measurement:
+def _as_read(log: Log, machine: Machine) -> Measurement:
     """The log through its CSV, so that nothing but that reaches a fit."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "field.csv"
         path.write_text(log_csv(log), encoding="utf-8")
-        return read_measurement(path, p)
+        return read_measurement(path, machine)

@@ -12,7 +12,7 @@ from gravcomp.diagnosis.model import Model
 from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.placement import into_hardware
 from gravcomp.network.weights import Network
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.machine import Drive, Machine
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator, period_of
 
@@ -24,18 +24,19 @@ class FieldCore:
     network: FixedNetwork
     constants: Compensation
     compensation: FixedCompensation
-    parameters: RobotParameters
+    drive: Drive
 
     def forces(self, data: Measurement) -> np.ndarray:
         """Forces (n, 3), N, at the counts of data.q and the speed meter's periods at steady speeds data.v."""
-        count = np.rint(data.q / self.parameters.encoder_m_per_count).astype(np.int64)
-        period = period_of(data.v, self.constants, self.parameters)
+        count = self.drive.counts(data.q)
+        period = period_of(data.v, self.drive)
         force_mn, _ = compensator(bittrue.core(count, self.network).force_mn, count, period, self.compensation)
         return 1e-3 * force_mn
 
 
-def build_core(fit: Fit, field: Measurement, start: Network, p: RobotParameters, n_poses: int, seed: int) -> FieldCore:
+def build_core(fit: Fit, field: Measurement, start: Network, machine: Machine, n_poses: int, seed: int) -> FieldCore:
     """start with what the fit found in the field, as in the loop; n_poses to train on again."""
-    network, placement, _ = into_hardware(Model(robot=p).grown(fit), field, start, seed, n_poses)
+    network, placement, _ = into_hardware(Model(machine).grown(fit), field, start, seed, n_poses)
     constants = placement.compensation
-    return FieldCore(quantise(network, p), constants, quantise_compensation(constants, p), p)
+    drive = machine.drive
+    return FieldCore(quantise(network, drive), constants, quantise_compensation(constants, drive), drive)

@@ -46,8 +46,8 @@ def tune_by_validation(start: Network, q_m: np.ndarray, f_n: np.ndarray, way: st
 
 def fine_tune(start: Network, q_m: np.ndarray, f_n: np.ndarray, ridge: float, way: str) -> Network:
     """Train the output layer or all weights of a network on q (n, 3), m, and f (n, 3), N."""
-    y = (f_n - start.f_offset_n) / start.f_scale_n
-    problem = Problem((q_m - start.q_offset_m) * start.q_scale_per_m, y, start.n_hidden, ACTIVATIONS["gamma"])
+    y = (f_n - start.f_offset) / start.f_scale
+    problem = Problem((q_m - start.q_offset) * start.q_scale, y, start.n_hidden, ACTIVATIONS["gamma"])
     first = np.concatenate(
         [np.c_[start.hidden_weights, start.hidden_bias].ravel(), np.c_[start.output_weights, start.output_bias].ravel()]
     )

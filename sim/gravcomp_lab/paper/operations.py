@@ -170,13 +170,13 @@ def network_on_counted(network: Network, q_m: np.ndarray) -> tuple[np.ndarray, O
     The offsets of both normalisations are folded into the biases: x = S q, h = Gamma(W x + b_H'), f = S_f (V h + b_o').
     """
     count = OperationCount()
-    hidden_bias = network.hidden_bias - network.hidden_weights @ (network.q_offset_m * network.q_scale_per_m)
-    output_bias = network.output_bias + network.f_offset_n / network.f_scale_n
+    hidden_bias = network.hidden_bias - network.hidden_weights @ (network.q_offset * network.q_scale)
+    output_bias = network.output_bias + network.f_offset / network.f_scale
     # The hardware multiplies by whatever the ROM holds: a weight that happens to be 0 or 1 is a product all the same.
     weights = counted(network.hidden_weights, count), counted(network.output_weights, count)
-    x = counted(q_m, count) * counted(network.q_scale_per_m, count)
+    x = counted(q_m, count) * counted(network.q_scale, count)
     hidden = np.array([gamma(h) for h in _layer(x, weights[0], hidden_bias)], dtype=object)
-    forces = np.array(_layer(hidden, weights[1], output_bias), dtype=object) * counted(network.f_scale_n, count)
+    forces = np.array(_layer(hidden, weights[1], output_bias), dtype=object) * counted(network.f_scale, count)
     return forces.astype(float), count
 
 
@@ -191,4 +191,4 @@ def count_statics_operations(p: RobotParameters) -> OperationCount:
 
 def count_network_operations(network: Network) -> OperationCount:
     """Operations of joint positions -> forces by the network in the hardware's structure (the same at every pose)."""
-    return network_on_counted(network, network.q_offset_m)[1]
+    return network_on_counted(network, network.q_offset)[1]

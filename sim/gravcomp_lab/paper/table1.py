@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.machine import Machine
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
 from gravcomp.training.scaling import workspace_scaling
 from gravcomp.training.search import random_hidden
@@ -33,15 +33,16 @@ class Row:
 
 
 def table1(
-    data: TrainingSet, unseen: TrainingSet, p: RobotParameters, *, n_starts: int, seed: int, backend: str
+    data: TrainingSet, unseen: TrainingSet, machine: Machine, *, n_starts: int, seed: int, backend: str
 ) -> list[Row]:
     """Rows of the paper's sizes trained with Gamma, then 20 neurons trained with tanh and run with either.
 
     The best of n_starts by training error stands for a size. Raises InputError when the backend cannot start.
     """
-    scaling = workspace_scaling(p)
-    x, y = scaling.x(data.q_m), scaling.y(data.f_n)
-    threshold = GRADIENT_THRESHOLD / scaling.f_scale_n**2
+    scaling = workspace_scaling(machine)
+    x, y = scaling.x(data.q), scaling.y(data.f)
+    f_scale_n = float(scaling.f_scale[0])  # of every axis: the robot is symmetric
+    threshold = GRADIENT_THRESHOLD / f_scale_n**2
     cases = [(n_hidden, "gamma") for n_hidden in PAPER] + [(20, "tanh")]
     seeds = np.random.SeedSequence(seed).spawn(n_starts)
     arguments = [(x, y, n_hidden, name, threshold, s) for n_hidden, name in cases for s in seeds]
@@ -50,7 +51,7 @@ def table1(
     for k, (n_hidden, name) in enumerate(cases):
         fit = min(fits[k * n_starts : (k + 1) * n_starts], key=lambda fit: fit.mse)
         network = as_network(fit.hidden, fit.output, scaling)
-        gradient_n2 = fit.gradient * scaling.f_scale_n**2
+        gradient_n2 = fit.gradient * f_scale_n**2
         for run_with in sorted({name, "gamma"}, reverse=True):
             errors = [mean_square_error_n2(network, poses, run_with) for poses in (data, unseen)]
             rows.append(Row(n_hidden, name, run_with, gradient_n2, *errors))

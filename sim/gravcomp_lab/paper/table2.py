@@ -13,7 +13,8 @@ from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
 from gravcomp.diagnosis.model import Model
 from gravcomp.logs.measurement import Measurement
 from gravcomp.network.weights import Network
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.machine import Machine
+from gravcomp.robot.spheiro.robot import spheiro_of
 from gravcomp.robot.spheiro.workspace import sample_workspace
 from gravcomp.training.training import one_blas_thread
 from gravcomp_lab.paper.field import APPROACHES, hold_field, move_field, true_forces
@@ -63,20 +64,20 @@ def core_row(source: str) -> str:
     return f"core after the loop, effects found in {source}"
 
 
-def table2(p: RobotParameters, simulated: Network, seed: int, sizes: Sizes = Sizes()) -> Table:
+def table2(machine: Machine, simulated: Network, seed: int, sizes: Sizes = Sizes()) -> Table:
     """Measure, train, diagnose and compare. simulated: the network trained in simulation."""
     seeds = iter(np.random.SeedSequence(seed).generate_state(40).tolist())
     table = Table({}, {}, {}, {})
-    motion = move_field(p, sizes.motion, next(seeds))
-    sets = {approach: _holds(p, approach, sizes, seeds) for approach in APPROACHES}
+    motion = move_field(machine, sizes.motion, next(seeds))
+    sets = {approach: _holds(machine, approach, sizes, seeds) for approach in APPROACHES}
     with tqdm(total=1 + 2 * len(sets), desc="training and diagnosis", delay=2.0) as progress:
-        _diagnose((MOTION,), motion, simulated, p, sizes, seed, table)
+        _diagnose((MOTION,), motion, simulated, machine, sizes, seed, table)
         progress.update()
         for approach, (training, tests) in sets.items():
             tuned = [tune_by_validation(simulated, training.q, training.force, way, seed) for way in WAYS]
             table.tuned[approach] = sorted(tuned, key=lambda t: t.validation_rms_n)
             progress.update()
-            _diagnose((approach, HOLDS), training, simulated, p, sizes, seed, table)
+            _diagnose((approach, HOLDS), training, simulated, machine, sizes, seed, table)
             progress.update()
             rows = _rows(simulated, approach, table)
             table.errors[approach] = {
@@ -86,19 +87,22 @@ def table2(p: RobotParameters, simulated: Network, seed: int, sizes: Sizes = Siz
     return table
 
 
-def _holds(p: RobotParameters, approach: str, sizes: Sizes, seeds) -> tuple[Measurement, dict[int, Measurement]]:
-    training = hold_field(p, sample_workspace(sizes.training, p, next(seeds)), approach, next(seeds))
+def _holds(machine: Machine, approach: str, sizes: Sizes, seeds) -> tuple[Measurement, dict[int, Measurement]]:
+    p = spheiro_of(machine)
+    training = hold_field(machine, sample_workspace(sizes.training, p, next(seeds)), approach, next(seeds))
     tests = {
-        torsion: hold_field(p, sample_workspace(sizes.test, p, next(seeds), torsion_deg=torsion), approach, next(seeds))
+        torsion: hold_field(
+            machine, sample_workspace(sizes.test, p, next(seeds), torsion_deg=torsion), approach, next(seeds)
+        )
         for torsion in TORSIONS_DEG
     }
     return training, tests
 
 
-def _diagnose(source, data: Measurement, simulated: Network, p, sizes: Sizes, seed: int, table: Table) -> None:
+def _diagnose(source, data: Measurement, simulated: Network, machine, sizes: Sizes, seed: int, table: Table) -> None:
     with one_blas_thread():
-        found = table.found[source] = diagnose(data, Model(robot=p), seed)
-    table.cores[source] = build_core(found.fit, data, simulated, p, sizes.retraining, seed)
+        found = table.found[source] = diagnose(data, Model(machine), seed)
+    table.cores[source] = build_core(found.fit, data, simulated, machine, sizes.retraining, seed)
 
 
 def _rows(simulated: Network, approach: str, table: Table) -> dict[str, Callable[[Measurement], np.ndarray]]:

@@ -7,9 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.network.weights import Network
-from gravcomp.robot.spheiro.kinematics import inverse_kinematics
-from gravcomp.robot.spheiro.parameters import RobotParameters
-from gravcomp.robot.spheiro.workspace import sample_workspace
+from gravcomp.robot.machine import Machine
 
 
 @dataclass(frozen=True)
@@ -31,14 +29,14 @@ class PeerDesign:
     precision: str
 
 
-def workspace_positions(p: RobotParameters, n_poses: int, seed: int) -> np.ndarray:
-    """Joint positions (n_poses, 3), m, at random poses of the workspace."""
-    return inverse_kinematics(sample_workspace(n_poses, p, seed), p)
+def workspace_positions(machine: Machine, n_poses: int, seed: int) -> np.ndarray:
+    """Joint positions (n_poses, n), m or rad, at random poses of the workspace."""
+    return machine.robot.workspace(n_poses, seed)
 
 
-def normalised_inputs(network: Network, p: RobotParameters, n_poses: int, seed: int) -> np.ndarray:
+def normalised_inputs(network: Network, machine: Machine, n_poses: int, seed: int) -> np.ndarray:
     """Inputs x (n_poses, n) of the network, in (-1, 1), at random poses of the workspace."""
-    return (workspace_positions(p, n_poses, seed) - network.q_offset_m) * network.q_scale_per_m
+    return (workspace_positions(machine, n_poses, seed) - network.q_offset) * network.q_scale
 
 
 def float_outputs(network: Network, x: np.ndarray, activation: Callable) -> np.ndarray:

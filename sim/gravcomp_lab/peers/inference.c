@@ -24,7 +24,7 @@ __attribute__((noinline)) static void forces(const float *q_m, float *f_n) {
   float h[NEURONS];
   for (int j = 0; j < NEURONS; j++) h[j] = hidden_bias[j];
   for (int i = 0; i < AXES; i++) {
-    float x = (q_m[i] - q_offset_m[i]) * q_scale_per_m[i];
+    float x = (q_m[i] - q_offset[i]) * q_scale[i];
     for (int j = 0; j < NEURONS; j++) h[j] += hidden_weights[i][j] * x;
   }
   for (int j = 0; j < NEURONS; j++) {
@@ -35,7 +35,7 @@ __attribute__((noinline)) static void forces(const float *q_m, float *f_n) {
   for (int i = 0; i < AXES; i++) {
     float y = output_bias[i];
     for (int j = 0; j < NEURONS; j++) y += output_weights[i][j] * h[j];
-    f_n[i] = f_offset_n[i] + f_scale_n[i] * y;
+    f_n[i] = f_offset[i] + f_scale[i] * y;
   }
 }
 

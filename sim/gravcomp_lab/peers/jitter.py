@@ -108,10 +108,10 @@ def _header(network: Network, q_m: np.ndarray) -> str:
         "hidden_bias": network.hidden_bias,
         "output_weights": network.output_weights,
         "output_bias": network.output_bias,
-        "q_offset_m": network.q_offset_m,
-        "q_scale_per_m": network.q_scale_per_m,
-        "f_offset_n": network.f_offset_n,
-        "f_scale_n": network.f_scale_n,
+        "q_offset": network.q_offset,
+        "q_scale": network.q_scale,
+        "f_offset": network.f_offset,
+        "f_scale": network.f_scale,
         "q_m": q_m,
     }
     sizes = {"AXES": network.n_axes, "NEURONS": network.n_hidden, "POSES": len(q_m), "CALLS": C_CALLS}

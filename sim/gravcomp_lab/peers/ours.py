@@ -10,7 +10,7 @@ import numpy as np
 from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network
-from gravcomp.robot.spheiro.parameters import load_parameters
+from gravcomp.robot.machine import load_machine
 from gravcomp.twin.bounds import fixed_point_error_mn
 from gravcomp_lab.peers.jitter import PERCENTILES, Timing
 from gravcomp_lab.peers.measure import Row
@@ -35,9 +35,9 @@ def core_error(weights: Path, n_poses: int, seed: int) -> float:
 
     From encoder counts to mN: unlike that of a peer it has the rounding of counts and forces in it.
     """
-    network, p = load_network(weights), load_parameters()
-    error_mn = fixed_point_error_mn(network, quantise(network, p, weights), p, n_poses, seed)
-    return float(np.abs(error_mn / (1000.0 * network.f_scale_n)).max())
+    network, machine = load_network(weights), load_machine(weights)
+    error_mn = fixed_point_error_mn(network, quantise(network, machine.drive, weights), machine, n_poses, seed)
+    return float(np.abs(error_mn / (1000.0 * network.f_scale)).max())
 
 
 def core_timings(rows: dict[int, Row]) -> Iterator[Timing]:

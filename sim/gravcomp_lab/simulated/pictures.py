@@ -9,8 +9,8 @@ import numpy as np
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
-from gravcomp.robot.spheiro.parameters import RobotParameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.machine import Machine
+from gravcomp.robot.spheiro.robot import spheiro_of
 from gravcomp.robot.spheiro.workspace import pose
 from gravcomp.twin import network as bittrue
 from gravcomp_lab.simulated.poses import counts_at
@@ -28,7 +28,7 @@ def save_figure(figure, path: Path) -> None:
     write_atomically(path, image.getvalue())
 
 
-def error_maps(fixed: FixedNetwork, p: RobotParameters, torsions_deg=(0.0, 15.0)):
+def error_maps(fixed: FixedNetwork, machine: Machine, torsions_deg=(0.0, 15.0)):
     """Norm of the force error of the fixed-point core against the statics over azimuth and tilt, one map per torsion.
 
     The maps of the paper's figures 6 and 7. Returns a Matplotlib figure.
@@ -36,8 +36,8 @@ def error_maps(fixed: FixedNetwork, p: RobotParameters, torsions_deg=(0.0, 15.0)
     from matplotlib.figure import Figure
 
     azimuth = np.linspace(0.0, 2.0 * np.pi, 181)
-    tilt_deg = np.linspace(0.0, p.tilt_max_deg, 71)
-    error = [_error_norm(fixed, p, azimuth, tilt_deg, torsion) for torsion in torsions_deg]
+    tilt_deg = np.linspace(0.0, spheiro_of(machine).tilt_max_deg, 71)
+    error = [_error_norm(fixed, machine, azimuth, tilt_deg, torsion) for torsion in torsions_deg]
     figure = Figure(figsize=(11, 5.2), layout="constrained")
     top = max(float(e.max()) for e in error)
     for k, (norm, torsion) in enumerate(zip(error, torsions_deg, strict=True)):
@@ -51,10 +51,10 @@ def error_maps(fixed: FixedNetwork, p: RobotParameters, torsions_deg=(0.0, 15.0)
     return figure
 
 
-def _error_norm(fixed, p, azimuth, tilt_deg, torsion_deg) -> np.ndarray:
+def _error_norm(fixed, machine, azimuth, tilt_deg, torsion_deg) -> np.ndarray:
     rotation = pose(azimuth[None, :], np.deg2rad(tilt_deg)[:, None], np.deg2rad(torsion_deg))
-    counts = counts_at(rotation, p)
-    statics_n = holding_forces_at(counts * p.encoder_m_per_count, p)
+    counts = counts_at(rotation, machine)
+    statics_n = machine.robot.forces(machine.drive.positions(counts))
     return np.linalg.norm(bittrue.core(counts, fixed).force_mn / 1000.0 - statics_n, axis=-1)
 
 

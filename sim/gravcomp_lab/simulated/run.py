@@ -7,8 +7,7 @@ import numpy as np
 
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.errors import InputError
-from gravcomp.robot.spheiro.parameters import RobotParameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.machine import Machine
 from gravcomp.twin import network as bittrue
 from gravcomp_lab.simulated.statistics import force_error
 
@@ -33,7 +32,7 @@ def load_run(path: Path) -> Run:
         raise InputError(f"{path}: no such run, or a damaged one; start `make sim` first") from None
 
 
-def error_table(run: Run, fixed: FixedNetwork, p: RobotParameters) -> str:
+def error_table(run: Run, fixed: FixedNetwork, machine: Machine) -> str:
     """Markdown table, a row per pose set: simulated forces against the bit-true model, LSB, and the statics, N."""
     lines = [
         "| poses | number | against bit-true, LSB | mean, N | RMS, N | maximum, N | average, % | maximum, % |",
@@ -43,7 +42,7 @@ def error_table(run: Run, fixed: FixedNetwork, p: RobotParameters) -> str:
         chosen = run.set_name == name
         counts, force_mn = run.count[chosen], run.force_mn[chosen]
         lsb = np.abs(force_mn - bittrue.core(counts, fixed).force_mn).max()
-        e = force_error(force_mn / 1000.0, holding_forces_at(counts * p.encoder_m_per_count, p))
+        e = force_error(force_mn / 1000.0, machine.robot.forces(machine.drive.positions(counts)))
         lines.append(
             f"| {name} | {len(counts)} | {lsb} | {e.mean_n:.3f} | {e.rms_n:.3f} | {e.max_n:.3f} "
             f"| {e.average_percent:.2f} | {e.max_percent:.2f} |"

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.core import formats as q
-from gravcomp.core.compensation import COMPENSATION_CSV, load_compensation
+from gravcomp.core.compensation import COMPENSATION_CSV, Compensation
 from gravcomp.core.compensator_tables import (
     FRICTION_BITS,
     N_POSITIONS,
@@ -15,19 +15,19 @@ from gravcomp.core.compensator_tables import (
     FixedCompensation,
     quantise_compensation,
 )
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.machine import Drive
 
 COMPENSATION_PACKAGE_FILE = "gc_compensation_pkg.vhd"
 _WORD_BITS = 2 * q.OPERAND_BITS
 _WORDS_PER_LINE = 8
 
 
-def compensation_package_text(folder: Path | str, n_axes: int, p: RobotParameters) -> str:
-    """VHDL text of gc_compensation_pkg from a weights folder; without compensation.csv, a transparent one.
+def compensation_package_text(folder: Path | str, constants: Compensation, drive: Drive) -> str:
+    """VHDL text of gc_compensation_pkg from the constants in a machine folder; a transparent one if all are zero.
 
-    Raises InputError when the constants cannot be read or held.
+    Raises InputError when the constants cannot be held.
     """
-    fixed = quantise_compensation(load_compensation(folder, n_axes), p, folder)
+    fixed = quantise_compensation(constants, drive, folder)
     path = Path(folder) / COMPENSATION_CSV
     digest = hashlib.sha256(path.read_bytes() if path.exists() else b"").hexdigest()
     return package_text(fixed, digest, Path(folder).name)

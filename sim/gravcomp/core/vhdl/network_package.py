@@ -5,48 +5,47 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.core import formats as q
+from gravcomp.core.folder import folder_hash, load_folder
 from gravcomp.core.formats import FixedNetwork, quantise
 from gravcomp.core.vhdl.compensation_package import COMPENSATION_PACKAGE_FILE, compensation_package_text
 from gravcomp.files import write_all_atomically
-from gravcomp.network.weights import load_network, weights_hash
-from gravcomp.robot.spheiro.parameters import RobotParameters
 from gravcomp.twin.precision import Precision, certified, precision
 
 PACKAGE_FILE = "gc_network_pkg.vhd"
 
 
-def rom_files(folder: Path | str, p: RobotParameters) -> dict[str, str]:
-    """The generated packages of a weights folder, text by file name.
+def rom_files(folder: Path | str) -> dict[str, str]:
+    """The generated packages of a machine folder, text by file name.
 
-    Raises InputError when the weights or the constants of the compensator cannot be read or held, or when the formats
-    cost too much.
+    Raises InputError as load_folder does, when the hardware cannot hold a value, or when the formats cost too much.
     """
-    return _rom_files(folder, p)[0]
+    return _rom_files(folder)[0]
 
 
-def write_rom(folder: Path | str, p: RobotParameters, generated: Path | str) -> Precision:
-    """Write the packages of a weights folder to generated/; returns what the formats cost.
+def write_rom(folder: Path | str, generated: Path | str) -> Precision:
+    """Write the packages of a machine folder to generated/; returns what the formats cost.
 
     Raises InputError as rom_files does; the old packages are then untouched.
     """
-    texts, cost = _rom_files(folder, p)
+    texts, cost = _rom_files(folder)
     write_all_atomically({Path(generated) / name: text for name, text in texts.items()})
     return cost
 
 
-def stale_rom_files(folder: Path | str, p: RobotParameters, generated: Path | str) -> list[Path]:
+def stale_rom_files(folder: Path | str, generated: Path | str) -> list[Path]:
     """The packages in generated/ that are not those of the weights folder. Raises InputError as rom_files does."""
-    paths = {Path(generated) / name: text for name, text in rom_files(folder, p).items()}
+    paths = {Path(generated) / name: text for name, text in rom_files(folder).items()}
     return [path for path, text in paths.items() if not _holds(path, text)]
 
 
-def _rom_files(folder: Path | str, p: RobotParameters) -> tuple[dict[str, str], Precision]:
-    network = load_network(folder)
-    fixed = quantise(network, p, folder)
-    cost = certified(precision(network, fixed, p.encoder_m_per_count), folder)
+def _rom_files(folder: Path | str) -> tuple[dict[str, str], Precision]:
+    content = load_folder(folder)
+    drive = content.machine.drive
+    fixed, sha256 = quantise(content.network, drive, folder), folder_hash(folder, content.machine)
+    cost = certified(precision(content.network, fixed, drive.unit_per_count), folder)
     texts = {
-        PACKAGE_FILE: package_text(fixed, weights_hash(folder), Path(folder).name),
-        COMPENSATION_PACKAGE_FILE: compensation_package_text(folder, fixed.n_axes, p),
+        PACKAGE_FILE: package_text(fixed, sha256, content.machine.clock_hz, Path(folder).name),
+        COMPENSATION_PACKAGE_FILE: compensation_package_text(folder, content.compensation, drive),
     }
     return texts, cost
 
@@ -58,13 +57,15 @@ def _holds(path: Path, text: str) -> bool:
         return False
 
 
-def package_text(fixed: FixedNetwork, sha256: str, name: str) -> str:
-    """VHDL text of gc_network_pkg for one network; sha256 and name of its weights folder go into it."""
+def package_text(fixed: FixedNetwork, sha256: str, clock_hz: float, name: str) -> str:
+    """VHDL text of gc_network_pkg for one network; hash, clock and name of its machine folder go into it."""
     hidden_word_bits = fixed.hidden_sum_bits + fixed.n_axes * q.OPERAND_BITS
     output_word_bits = fixed.n_axes * q.OPERAND_BITS
     return _TEMPLATE.format(
         name=name,
         sha256=sha256,
+        clock_hz=int(clock_hz),
+        current_scale=_packed(fixed.current_scale, q.OPERAND_BITS),
         n_axes=fixed.n_axes,
         n_hidden=fixed.n_hidden,
         count_bits=q.COUNT_BITS,
@@ -105,7 +106,6 @@ def package_text(fixed: FixedNetwork, sha256: str, name: str) -> str:
                 "y_fraction",
                 "output_drop",
                 "output_scale_fraction",
-                "current_scale",
                 "current_scale_fraction",
             )
         },
@@ -148,9 +148,13 @@ library ieee;
 
 package gc_network_pkg is
 
-  -- SHA-256 of hidden.csv, output.csv and scaling.csv, one after the other.
+  -- SHA-256 of all that this package and gc_compensation_pkg depend on: clock, axes and activation in robot.toml,
+  -- hidden.csv, output.csv, scaling.csv, compensation.csv.
   constant weights_hash_c : std_ulogic_vector(255 downto 0) :=
     x"{sha256}";
+
+  -- Hz of the core's clock: the tables of friction hold for this one.
+  constant clock_hz_c : positive := {clock_hz};
 
   -- Sizes.
   constant inputs_c  : positive := {n_axes};
@@ -195,11 +199,12 @@ package gc_network_pkg is
   constant output_bias_c            : signed({output_bias_bits} downto 0) :=
     {output_bias};
 
-  -- Output: scale y to mN, and mN to uA by 1/K_t.
+  -- Output: scale y to mN, and mN to uA by the 1/K_t of each axis.
   constant output_scale_c           : signed({input_scale_bits} downto 0) :=
     {output_scale};
   constant output_scale_fraction_c  : natural  := {output_scale_fraction};
-  constant current_scale_c          : positive := {current_scale};
+  constant current_scale_c          : signed({input_scale_bits} downto 0) :=
+    {current_scale};
   constant current_scale_fraction_c : positive := {current_scale_fraction};
 
   -- Words of the weight ROMs, one per neuron.

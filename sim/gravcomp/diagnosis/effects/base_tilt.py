@@ -1,14 +1,11 @@
 """The base stands askew: gravity points elsewhere in its frame. A turn about gravity itself cannot be seen."""
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
-from gravcomp.robot.spheiro.parameters import RobotParameters
-from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.protocol import Robot, TurnsGravity
 
 
 class BaseTilt(Effect):
@@ -23,18 +20,18 @@ class BaseTilt(Effect):
     complexity = 0.5
 
     def unavailable(self, data):
-        return "" if data.robot is not None else "how gravity loads the axes is not known"
+        return "" if isinstance(data.robot, TurnsGravity) else "how gravity loads the axes is not known"
 
     def columns(self, data, shape):
         down = data.robot.gravity_direction
         return {
-            Parameter(label): holding_forces_at(data.q, replace(data.robot, gravity_direction=np.cross(axis, down)))
+            Parameter(label): data.robot.with_gravity(np.cross(axis, down)).forces(data.q)
             for label, axis in zip(("tilt_a", "tilt_b"), tilt_axes(down), strict=True)
         }
 
     def predict(self, data, parameters):
         turned = turned_gravity(data.robot, parameters)
-        return holding_forces_at(data.q, turned) - holding_forces_at(data.q, data.robot)
+        return turned.forces(data.q) - data.robot.forces(data.q)
 
 
 def tilt_axes(down: np.ndarray) -> np.ndarray:
@@ -44,8 +41,8 @@ def tilt_axes(down: np.ndarray) -> np.ndarray:
     return np.array([first, np.cross(down, first)])
 
 
-def turned_gravity(robot: RobotParameters, parameters: dict[str, float]) -> RobotParameters:
+def turned_gravity(robot: TurnsGravity, parameters: dict[str, float]) -> Robot:
     """The robot on its tilted base."""
     axes = tilt_axes(robot.gravity_direction)
     vector = parameters["tilt_a"] * axes[0] + parameters["tilt_b"] * axes[1]
-    return replace(robot, gravity_direction=Rotation.from_rotvec(vector).apply(robot.gravity_direction))
+    return robot.with_gravity(Rotation.from_rotvec(vector).apply(robot.gravity_direction))

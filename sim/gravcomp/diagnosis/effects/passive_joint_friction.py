@@ -1,16 +1,16 @@
-"""Friction in the passive joints of the built-in robot, as the motors feel it."""
+"""Friction in the passive joints of a robot that has some, as the motors feel it."""
 
 import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_velocity
-from gravcomp.robot.spheiro.kinematics import direct_kinematics, passive_jacobian
+from gravcomp.robot.protocol import HasPassiveJoints
 
 _ROUNDING = 1e-9  # of the speed that the axes could give a joint: less is rest
 
 
 class PassiveJointFriction(Effect):
-    """J_p^T (fc sign(v_p)), v_p = J_p v over the prismatic joints b_i and the rotary joints phi_i."""
+    """J_p^T (fc sign(v_p)), v_p = J_p v over the prismatic and the rotary passive joints."""
 
     name = "passive_joint_friction"
     driver = "dir"
@@ -22,19 +22,22 @@ class PassiveJointFriction(Effect):
     complexity = 2.0
 
     def unavailable(self, data):
-        return needs_velocity(data) or ("" if data.robot is not None else "the passive joints are not known")
+        return needs_velocity(data) or (
+            "" if isinstance(data.robot, HasPassiveJoints) else "the passive joints are not known"
+        )
 
     def columns(self, data, shape):
-        jacobian = passive_jacobian(direct_kinematics(data.q, data.robot), data.robot)
+        jacobian = data.robot.passive_jacobian(data.q)
         speed = np.einsum("npk,nk->np", jacobian, data.v)
         # where v is read on a grid, a slow joint's sign is not sure: its mean over what v may be
         unsure = np.einsum("npk,nk->np", np.abs(jacobian), data.dead_band)
         unsure += _ROUNDING * np.linalg.norm(jacobian, axis=2) * np.linalg.norm(data.v, axis=1)[:, None]
         moving = np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)
         force = jacobian * moving[..., None]
+        is_prismatic = np.array([unit == "m" for unit in data.robot.passive_units])
         return {
-            Parameter("fc_prismatic_n"): force[:, :3].sum(axis=1),
-            Parameter("fc_rotary_nm"): force[:, 3:].sum(axis=1),
+            Parameter("fc_prismatic_n"): force[:, is_prismatic].sum(axis=1),
+            Parameter("fc_rotary_nm"): force[:, ~is_prismatic].sum(axis=1),
         }
 
     def constants(self, data, parameters):

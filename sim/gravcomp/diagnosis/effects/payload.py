@@ -1,12 +1,10 @@
 """A mass carried by the platform (or, on a single rotary axis, by the arm) that the model does not know."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
-from gravcomp.robot.spheiro.statics import holding_forces_at
+from gravcomp.robot.protocol import TakesPayload
 
 
 class Payload(Effect):
@@ -21,13 +19,13 @@ class Payload(Effect):
 
     def unavailable(self, data):
         is_arm = data.n_axes == 1 and data.position_units == ("rad",)
-        return "" if data.robot is not None or is_arm else "how a payload loads the axes is not known"
+        return "" if isinstance(data.robot, TakesPayload) or is_arm else "how a payload loads the axes is not known"
 
     def columns(self, data, shape):
-        if data.robot is None:
+        if not isinstance(data.robot, TakesPayload):
             return {Parameter("torque_cos"): np.cos(data.q), Parameter("torque_sin"): np.sin(data.q)}
-        empty = replace(data.robot, carriage_mass_kg=0.0, link1_mass_kg=0.0, link2_mass_kg=0.0, platform_mass_kg=1.0)
-        units = zip(("moment_x", "moment_y", "moment_z"), np.eye(3), strict=True)
+        columns = np.moveaxis(data.robot.payload_regressors(data.q), -1, 0)
         return {
-            Parameter(label): holding_forces_at(data.q, replace(empty, platform_com_m=unit)) for label, unit in units
+            Parameter(label): column
+            for label, column in zip(("moment_x", "moment_y", "moment_z"), columns, strict=True)
         }

@@ -11,7 +11,7 @@ singular surfaces.
 
 import numpy as np
 
-from gravcomp.errors import InputError
+from gravcomp.robot.protocol import PoseError
 from gravcomp.robot.spheiro.parameters import RobotParameters
 
 # Columns u_1 = y, u_2 = z, u_3 = x: directions of the universal joints at home.
@@ -23,10 +23,6 @@ _SIGNS = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0,
 # Below this barycentric coordinate (0.25 at home) a pose counts as singular: the Jacobian loses more than six digits.
 SINGULAR_MARGIN = 1e-12
 _ORTHONORMAL_TOLERANCE = 1e-9
-
-
-class PoseError(InputError):
-    """A pose that the robot cannot take: not a number, not a rotation, at or beyond a singular face."""
 
 
 def inverse_kinematics(rotation: np.ndarray, p: RobotParameters) -> np.ndarray:
@@ -150,4 +146,4 @@ def _refuse(is_bad: np.ndarray, why: str) -> None:
     bad = np.flatnonzero(np.atleast_1d(is_bad))
     if bad.size:
         more = f" (and {bad.size - 1} more)" if bad.size > 1 else ""
-        raise PoseError(f"pose {bad[0]}{more} {why}")
+        raise PoseError(f"pose {bad[0]}{more} {why}", int(bad[0]))

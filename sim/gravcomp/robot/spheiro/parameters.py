@@ -1,40 +1,34 @@
-"""Robot parameters, read from one TOML file.
+"""Parameters of the Sphe.I.Ro., read from the tables [model.*] and [workspace] of robot.toml.
 
-Source of the nominal values: ``spheiro.toml`` beside this file, which states units and origin.
+Source of the nominal values: ``weights/spheiro/robot.toml``, which states units and origin.
 """
 
 import math
-import tomllib
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
 from gravcomp.errors import InputError
 
-NOMINAL_TOML = Path(__file__).with_name("spheiro.toml")
-
 _SCALARS = {
-    "d_m": ("geometry", "d_m"),
-    "carriage_mass_kg": ("carriage", "mass_kg"),
-    "link1_mass_kg": ("link1", "mass_kg"),
-    "link1_com_m": ("link1", "com_m"),
-    "link2_mass_kg": ("link2", "mass_kg"),
-    "link2_com_m": ("link2", "com_m"),
-    "platform_mass_kg": ("platform", "mass_kg"),
-    "g_mps2": ("gravity", "g_mps2"),
-    "encoder_m_per_count": ("drive", "encoder_m_per_count"),
-    "thrust_constant_n_per_a": ("drive", "thrust_constant_n_per_a"),
+    "d_m": ("model.geometry", "d_m"),
+    "carriage_mass_kg": ("model.carriage", "mass_kg"),
+    "link1_mass_kg": ("model.link1", "mass_kg"),
+    "link1_com_m": ("model.link1", "com_m"),
+    "link2_mass_kg": ("model.link2", "mass_kg"),
+    "link2_com_m": ("model.link2", "com_m"),
+    "platform_mass_kg": ("model.platform", "mass_kg"),
+    "g_mps2": ("model.gravity", "g_mps2"),
     "tilt_max_deg": ("workspace", "tilt_max_deg"),
     "torsion_max_deg": ("workspace", "torsion_max_deg"),
 }
-_VECTORS = {"platform_com_m": ("platform", "com_m"), "gravity_direction": ("gravity", "direction")}
-_MUST_BE_POSITIVE = {"d_m", "encoder_m_per_count", "thrust_constant_n_per_a"}
+_VECTORS = {"platform_com_m": ("model.platform", "com_m"), "gravity_direction": ("model.gravity", "direction")}
+_MUST_BE_POSITIVE = {"d_m"}
 
 
 @dataclass(frozen=True)
 class RobotParameters:
-    """Geometry, masses, gravity and drive of the 3-CPU robot. SI units, angles of the workspace in degrees.
+    """Geometry, masses, gravity and workspace of the 3-CPU robot. SI units, angles of the workspace in degrees.
 
     ``platform_com_m`` is in the platform frame, ``gravity_direction`` a unit vector in the base frame.
     """
@@ -49,8 +43,6 @@ class RobotParameters:
     platform_com_m: np.ndarray = field(repr=False)
     g_mps2: float
     gravity_direction: np.ndarray = field(repr=False)
-    encoder_m_per_count: float
-    thrust_constant_n_per_a: float
     tilt_max_deg: float
     torsion_max_deg: float
 
@@ -60,22 +52,6 @@ class RobotParameters:
         return self.g_mps2 * self.gravity_direction
 
 
-def load_parameters(path: Path | str = NOMINAL_TOML) -> RobotParameters:
-    """Read robot parameters from TOML.
-
-    Raises InputError when the file cannot be read, is not TOML, or a value is missing, not a finite number, or
-    out of range; the message names file, table and key.
-    """
-    path = Path(path)
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); give a robot TOML file") from error
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: not valid TOML ({error}); correct that line") from error
-    return parameters_from_table(table, str(path))
-
-
 def parameters_from_table(table: dict, where: str) -> RobotParameters:
     """Build RobotParameters from the tables of a parsed TOML document; ``where`` names it in errors (InputError)."""
     values = {name: _scalar(table, where, name, *place) for name, place in _SCALARS.items()}
@@ -83,14 +59,16 @@ def parameters_from_table(table: dict, where: str) -> RobotParameters:
     values["gravity_direction"] /= max(np.abs(values["gravity_direction"]).max(), 1.0)  # else its square may overflow
     norm = float(np.linalg.norm(values["gravity_direction"]))
     if norm == 0.0:
-        raise InputError(f"{where}: [gravity] direction has zero length; give the direction in which things fall")
+        raise InputError(f"{where}: [model.gravity] direction has zero length; give the direction in which things fall")
     values["gravity_direction"] = values["gravity_direction"] / norm
     return RobotParameters(**values)
 
 
 def _entry(table: dict, where: str, section: str, key: str):
     try:
-        return table[section][key]
+        for name in section.split("."):
+            table = table[name]
+        return table[key]
     except (KeyError, TypeError):
         raise InputError(f"{where}: [{section}] {key} is missing; add it") from None
 

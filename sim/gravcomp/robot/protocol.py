@@ -1,0 +1,101 @@
+"""What a robot is to the rest of the package: positions to efforts, over a workspace.
+
+A robot of another package registers its kind under the entry point ``gravcomp.robots``: a callable that takes the
+tables of robot.toml and the name of the file for messages, and returns a Robot.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from gravcomp.errors import InputError
+
+
+class PoseError(InputError):
+    """A pose that the robot cannot take. index: which of several, or None."""
+
+    def __init__(self, message: str, index: int | None = None):
+        super().__init__(message)
+        self.index = index
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds over the whole workspace, (n,) each, in m or rad and N or Nm.
+
+    q_low, q_high: rounded outward, what an axis' range is unless robot.toml gives another; q_least, q_most: what the
+    workspace reaches; f_low, f_high: of the efforts, rounded outward.
+    """
+
+    q_low: np.ndarray
+    q_high: np.ndarray
+    q_least: np.ndarray
+    q_most: np.ndarray
+    f_low: np.ndarray
+    f_high: np.ndarray
+
+
+class Robot(Protocol):
+    """Statics of n axes. Positions in position_units, m or rad per axis; efforts in N for m, Nm for rad."""
+
+    @property
+    def n_axes(self) -> int: ...
+
+    @property
+    def position_units(self) -> tuple[str, ...]: ...
+
+    @property
+    def bounds(self) -> Bounds: ...
+
+    def forces(self, q: np.ndarray) -> np.ndarray:
+        """Efforts (..., n) of the motors that hold the robot at rest at q (..., n).
+
+        Raises PoseError where the robot cannot be.
+        """
+        ...
+
+    def workspace(self, n_poses: int, seed: int) -> np.ndarray:
+        """Positions (n_poses, n) drawn from the workspace."""
+        ...
+
+
+@runtime_checkable
+class TurnsGravity(Protocol):
+    """Can tell what it holds when gravity has another direction: its base is not level."""
+
+    @property
+    def gravity_direction(self) -> np.ndarray:
+        """Unit vector (3,) in the base frame."""
+        ...
+
+    def with_gravity(self, direction: np.ndarray) -> Robot:
+        """The same robot, gravity along the unit vector direction (3,)."""
+        ...
+
+
+@runtime_checkable
+class TakesPayload(Protocol):
+    """Can tell what an extra first moment on its last body adds."""
+
+    def payload_regressors(self, q: np.ndarray) -> np.ndarray:
+        """Efforts (..., n, 3) per kg m of first moment along the axes of that body's frame."""
+        ...
+
+
+@runtime_checkable
+class HasPassiveJoints(Protocol):
+    """Has joints without a motor."""
+
+    @property
+    def passive_units(self) -> tuple[str, ...]:
+        """m or rad per passive joint."""
+        ...
+
+    def passive_jacobian(self, q: np.ndarray) -> np.ndarray:
+        """J_p (..., k, n): speeds of the k passive joints per speed of the axes."""
+        ...
+
+
+RobotKind = Callable[[dict, str], Robot]

@@ -1,0 +1,84 @@
+"""The Sphe.I.Ro. as a Robot: three linear axes, forces in closed form."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from gravcomp.errors import InputError
+from gravcomp.robot.machine import Machine
+from gravcomp.robot.protocol import Bounds
+from gravcomp.robot.spheiro.kinematics import direct_kinematics, inverse_kinematics, passive_jacobian
+from gravcomp.robot.spheiro.parameters import RobotParameters, parameters_from_table
+from gravcomp.robot.spheiro.statics import holding_forces, holding_forces_at
+from gravcomp.robot.spheiro.workspace import pose, sample_workspace
+
+# Bounds come from a grid and are rounded outward to these; a bound between
+# two grid points is less than 0.01 mm and 0.05 N beyond them.
+_Q_STEP_M, _F_STEP_N = 1e-3, 1.0
+_GRID = (361, 15, 41)  # azimuth, tilt, torsion; their corners included
+
+
+@dataclass(frozen=True)
+class Spheiro:
+    """The robot with its parameters."""
+
+    parameters: RobotParameters
+
+    n_axes = 3
+    position_units = ("m",) * 3
+    passive_units = ("m",) * 3 + ("rad",) * 3  # b_1..3, then phi_1..3
+
+    def forces(self, q: np.ndarray) -> np.ndarray:
+        """Forces (..., 3), N, at q (..., 3), m. Raises PoseError outside the joint space."""
+        return holding_forces_at(q, self.parameters)
+
+    def workspace(self, n_poses: int, seed: int) -> np.ndarray:
+        """Positions (n_poses, 3), m, of poses whose azimuth, tilt and torsion are uniform."""
+        return inverse_kinematics(sample_workspace(n_poses, self.parameters, seed), self.parameters)
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """The same for all axes: a symmetry survives it. Raises PoseError when the workspace leaves the robot's."""
+        p = self.parameters
+        azimuth = np.linspace(0.0, 2.0 * np.pi, _GRID[0])[:, None, None]
+        tilt = np.deg2rad(np.linspace(0.0, p.tilt_max_deg, _GRID[1]))[:, None]
+        torsion = np.deg2rad(np.linspace(-p.torsion_max_deg, p.torsion_max_deg, _GRID[2]))
+        rotation = pose(azimuth, tilt, torsion)
+        q_m, f_n = inverse_kinematics(rotation, p), holding_forces(rotation, p)
+        reach_m, each = np.abs(q_m).max(), np.ones(3)
+        limit_m = (np.floor(reach_m / _Q_STEP_M) + 1.0) * _Q_STEP_M
+        low_n = np.floor(f_n.min() / _F_STEP_N) * _F_STEP_N
+        high_n = np.ceil(f_n.max() / _F_STEP_N) * _F_STEP_N
+        return Bounds(-limit_m * each, limit_m * each, -reach_m * each, reach_m * each, low_n * each, high_n * each)
+
+    @property
+    def gravity_direction(self) -> np.ndarray:
+        return self.parameters.gravity_direction
+
+    def with_gravity(self, direction: np.ndarray) -> "Spheiro":
+        return Spheiro(replace(self.parameters, gravity_direction=direction))
+
+    def payload_regressors(self, q: np.ndarray) -> np.ndarray:
+        """Forces (..., 3, 3), N, per kg m of first moment in the platform frame."""
+        massless = {f"{body}_mass_kg": 0.0 for body in ("carriage", "link1", "link2")}
+        bare = replace(self.parameters, **massless, platform_mass_kg=1.0)
+        return np.stack([holding_forces_at(q, replace(bare, platform_com_m=unit)) for unit in np.eye(3)], axis=-1)
+
+    def passive_jacobian(self, q: np.ndarray) -> np.ndarray:
+        return passive_jacobian(direct_kinematics(q, self.parameters), self.parameters)
+
+
+def spheiro_of(machine: Machine) -> RobotParameters:
+    """The parameters of a machine of this kind. Raises InputError for another one."""
+    if not isinstance(machine.robot, Spheiro):
+        raise InputError(f'{machine.where}: needs [model] kind = "spheiro"; this works with that robot alone')
+    return machine.robot.parameters
+
+
+def from_table(table: dict, where: str) -> Spheiro:
+    """The robot of a robot.toml. Raises InputError naming table and key."""
+    kind = table.get("workspace", {}).get("kind") if isinstance(table.get("workspace"), dict) else None
+    if kind != "spheiro":
+        raise InputError(f'{where}: [workspace] kind = {kind!r}; this robot has its own, give kind = "spheiro"')
+    return Spheiro(parameters_from_table(table, where))

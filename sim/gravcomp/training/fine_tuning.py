@@ -1,0 +1,33 @@
+"""Training a network further, from the weights that it has: on other data, or to the activation of the hardware."""
+
+import numpy as np
+from tqdm import tqdm
+
+from gravcomp.network.weights import Network
+from gravcomp.robot.machine import Drive
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
+from gravcomp.training.scaling import Scaling
+from gravcomp.training.training import RIDGE, TrainingSet, one_blas_thread, snapped
+
+_ROUNDS, _ROUND = 10, Stop(steps=50)
+_MARGIN = 1.02  # of the efforts over those of the training poses: the bounds of the workspace lie a little beyond
+
+
+def retrained(network: Network, data: TrainingSet, drive: Drive, rounds: int = _ROUNDS) -> tuple[Network, Fit]:
+    """The network trained to Gamma on data from its own hidden weights, on the hardware's grid, and its normalised fit.
+
+    Normalisation of positions stays; that of efforts follows the data. At most rounds of 50 steps. Raises InputError
+    when the hardware cannot hold the weights.
+    """
+    low, high = data.f.min(axis=0), data.f.max(axis=0)
+    half = np.where(high > low, _MARGIN * (high - low) / 2, network.f_scale)
+    scaling = Scaling(network.q_offset, network.q_scale, (high + low) / 2, half, network.position_units)
+    problem = Problem(scaling.x(data.q), scaling.y(data.f), network.n_hidden, ACTIVATIONS["gamma"], ridge=RIDGE)
+    hidden = np.c_[network.hidden_weights, network.hidden_bias]
+    with one_blas_thread():
+        for _ in tqdm(range(rounds), desc="retraining", delay=2.0):
+            fit = levenberg_marquardt(problem, hidden, _ROUND)
+            hidden = fit.hidden
+            if fit.reason != "steps":
+                break
+    return snapped(fit, problem, scaling, drive), fit
