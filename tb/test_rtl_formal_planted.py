@@ -187,6 +187,14 @@ PLANTED = [
     ("crossing_bus", "gc_crossing_bus", [
         ("in_ready <= ready;", "in_ready <= '1';", "none_is_taken_before_the_last_one_is_brought"),
     ]),
+    ("clock_monitor", "gc_clock_monitor", [
+        ("if bus_expired = '1' or bus_rst = '1'", "if bus_rst = '1'", "core_that_stands_is_found"),
+        ("bus_lost <= core_expired or not told_alive;", "bus_lost <= not told_alive;", "bus_that_stands_is_found"),
+    ]),
+    ("clock_monitor", "gc_clock_monitor", [
+        ("if bus_expired = '1' or bus_rst = '1'", "if bus_expired = '1'", "reset_waits_for_the_other_clock"),
+        ("bus_lost <= core_expired or not told_alive;", "bus_lost <= core_expired;", "core_that_stood_is_told"),
+    ]),
     ("loader", "gc_loader", [
         ("word = record_words_c(s) - 1", "word = record_words_c(s)", "place_is_that_of_the_words_so_far"),
         ("written <= index;", "written <= word;", "records_are_written_in_order"),

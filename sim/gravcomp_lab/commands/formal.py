@@ -36,9 +36,9 @@ a request that was taken, of its kind, held unchanged until the master takes it;
 way; and each request answered within three clocks in which the master takes responses of either kind, which is liveness
 as a bound. Nothing of gc_bus_side is abstracted.
 
-`crossing_pulse` and `crossing_bus` leave both clocks free: each is an input, whose edges fall in any order, together or
-never, as often as they like. A synchroniser that samples a level while it changes takes the old or the new one; so it
-does here, by the order of the edges.
+`crossing_pulse`, `crossing_bus` and `clock_monitor` leave both clocks free: each is an input, whose edges fall in any
+order, together or never, as often as they like. A synchroniser that samples a level while it changes takes the old or
+the new one; so it does here, by the order of the edges.
 
 `speed_meter` runs with a time-out of five clocks, so that its clock has few values; only widths of counters depend on
 it. `friction` cuts both tables, so that any value may come out of them, and its product, which lies between its bounds.

@@ -77,6 +77,7 @@ CLAIMS = (
     Claim("speed_meter", "gc_speed_meter", {"timeout_g": 5}, {"TIMEOUT": 5, "BITS": 5}),
     *(Claim("crossing_pulse", "gc_crossing_pulse", {"stages_g": n}, {"STAGES": n}, free_clocks=True) for n in (2, 3)),
     *(Claim("crossing_bus", "gc_crossing_bus", {"stages_g": n}, {"STAGES": n}, free_clocks=True) for n in (2, 3)),
+    Claim("clock_monitor", "gc_clock_monitor", {"bus_limit_g": 8, "core_limit_g": 8}, free_clocks=True),
     Claim("loader", "gc_loader", induction=1),
     Claim("bank_switch", "gc_bank_switch", induction=1),
     Claim("friction", "gc_friction", {"loadable_g": "true"}, cuts=("sliding_7", "g_load_mu_7"), induction=12),
