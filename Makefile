@@ -8,7 +8,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject cells coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind table2 lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -30,9 +30,15 @@ mutate: setup ## plant faults in the VHDL, one at a time: does a test catch each
 inject: setup ## flip single bits in every register and memory of gc_system while it holds a pose; docs/measured/injection.md
 	@$(LAB) inject --docs docs/measured
 
+ports: setup ## plant a fault at every output port of every entity: which proof or test sees it? docs/measured/ports.md
+	@$(LAB) ports --docs docs/measured
+
 cells: setup ## every cause of a fault in every state on every axis, or proven absent; docs/measured/cells.md
 	@$(PYTEST) -q tb/test_rtl_safety_cells.py
 	@$(LAB) cells --docs docs/measured
+
+branches: setup ## the branches of the VHDL that the tests take, those that are not written too; docs/measured/branches.md
+	@$(LAB) branches --docs docs/measured
 
 coverage: ## the statements of the VHDL that the tests run; docs/measured/coverage.md
 	@scripts/setup.sh ghdl-gcc

@@ -77,7 +77,7 @@ def _try(mutant: Mutant, root: Path, tests: list[str], timeout_s: float, origina
         shutil.copytree(root / "rtl", rtl)
         source = source_of(rtl, mutant.entity)
         source.write_text(mutant.plant(source.read_text()))
-        if not _compiles(rtl, folder):
+        if not compiles(rtl, folder):
             return INVALID, ""
         build = Path(folder) / "build"
         if originals:
@@ -123,7 +123,7 @@ def _run_marked(root: Path, rtl: Path, build: Path, files: Sequence[str], marker
     return CAUGHT, failed[1] if failed else log[-300:]
 
 
-def _compiles(rtl: Path, work: str) -> bool:
+def compiles(rtl: Path, work: str) -> bool:
     """Whether GHDL analyses the files and elaborates gc_system, which holds every entity, in COMPILE_TIMEOUT_S each."""
     files = [str(path) for path in rtl_sources(rtl)]
     options = ["--std=08", f"--workdir={work}"]
