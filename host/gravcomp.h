@@ -10,6 +10,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define GRAVCOMP_AXES 3
 
 /* Access to one 32-bit register; context is handed through. */
@@ -162,5 +166,9 @@ uint32_t gravcomp_bank_crc(const gravcomp_bus *bus);
 /* Choose what interrupts; read and clear what did. */
 void gravcomp_interrupt_on(const gravcomp_bus *bus, uint32_t events);
 uint32_t gravcomp_interrupts(const gravcomp_bus *bus);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what is missing, and nothing else: GHDL, Icarus, Verilator, compilers, Python's run-time parts and the
+# Installs what is missing, and nothing else: GHDL, compilers, Icarus, Verilator, compilers, Python's run-time parts and the
 # programs given as arguments with apt, the Python packages into .venv. Says nothing when all is there.
 set -eu
 cd "$(dirname "$0")/.."
@@ -17,6 +17,7 @@ install_packages() {
 
 command -v ghdl >/dev/null || install_packages ghdl
 command -v cc >/dev/null || install_packages gcc libc6-dev
+command -v c++ >/dev/null || install_packages g++
 command -v tclsh >/dev/null || install_packages tcl
 command -v iverilog >/dev/null || install_packages iverilog
 command -v verilator >/dev/null || install_packages verilator

@@ -12,7 +12,7 @@ from runner import BUILD, ROOT, RTL
 CHECKERS = ROOT / "tb" / "formal"
 BY_NAME = {claim.name: claim for claim in CLAIMS}
 SLOW = (
-    "axi", "force_path-lanes_g4", "valid_pipeline-lanes_g1", "hidden_sums-lanes_g1",
+    "axi", "interrupts", "force_path-lanes_g4", "valid_pipeline-lanes_g1", "hidden_sums-lanes_g1",
     *(f"output_sums-lanes_g{n}" for n in (1, 2, 4, 5, 10, 20)),
 )  # fmt: skip
 

@@ -38,6 +38,18 @@ PLANTED = [
          "next_v := state_run_c;\n        end if;\n      elsif state = state_h", "brakes_open_after_the_motors_hold"),
         ("if clear = '1' then", "if enable = '0' then", "fault_lasts_until_all_are_cleared_and_no_cause_is_present"),
     ]),
+    ("interrupts", "gc_bus_side", [
+        ("events /= in_state.fault_events", "unsigned(events) < unsigned(in_state.fault_events)", "no_event_is_lost"),
+    ]),
+    ("interrupts", "gc_registers", [
+        ("if hwif_in.interrupt_status.fault.next_q then -- stickybit\n            next_c := '1';",
+         "if hwif_in.interrupt_status.fault.next_q and not decoded_reg_strb.interrupt_status then\n"
+         "            next_c := '1';", "no_event_is_lost"),
+    ]),
+    ("safety", "gc_fault_latch", [
+        ("(left_v and not sts_fault) /= no_causes_c", "sts_fault = no_causes_c and left_v /= no_causes_c",
+         "every_fault_that_comes_is_an_event"),
+    ]),
     ("safety", "gc_brake_sequencer", [
         (" or (enable = '1' and in_carried = '0')", "", "brakes_open_after_the_whole_command_was_reached"),
     ]),
@@ -259,7 +271,9 @@ PLANTED = [
 @pytest.mark.parametrize(
     ("checker", "file", "faults"),
     [
-        pytest.param(*p, id=f"{p[0]}-{p[2][0][2]}", marks=[pytest.mark.slow] * (p[0] in ("axi", "force_path")))
+        pytest.param(
+            *p, id=f"{p[0]}-{p[2][0][2]}", marks=[pytest.mark.slow] * (p[0] in ("axi", "interrupts", "force_path"))
+        )
         for p in PLANTED
     ],
 )

@@ -2,6 +2,7 @@
 
 import os
 import re
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -296,6 +297,34 @@ def test_host_loads_a_whole_image_alike_in_c_and_in_python(tmp_path):
     assert written[0] == written[1]
     address = read_registers()["load_word"].address
     assert [word for offset, word in written[0] if offset == address] == image.words.tolist()
+
+
+CPP = """
+#include "gravcomp.h"
+#include "gravcomp_registers.h"
+
+static std::uint32_t read_zero(void *, std::uint32_t) { return 0; }
+static void write_nothing(void *, std::uint32_t, std::uint32_t) {}
+
+int main()
+{
+    const gravcomp_bus bus = {read_zero, write_nothing, nullptr};
+    gravcomp_identity identity;
+
+    gravcomp_kick(&bus);
+    return gravcomp_open(&bus, &identity) == GRAVCOMP_NOT_FOUND ? 0 : 1;
+}
+"""
+
+
+def test_host_links_into_a_program_in_cpp(tmp_path):
+    (tmp_path / "main.cpp").write_text("#include <cstdint>\n" + CPP)
+    objects = [tmp_path / "gravcomp.o", tmp_path / "main.o"]
+    strict = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{ROOT / 'host'}"]
+    subprocess.run(["cc", "-std=c99", *strict, "-c", ROOT / "host" / "gravcomp.c", "-o", objects[0]], check=True)
+    subprocess.run(["c++", "-std=c++11", *strict, "-c", tmp_path / "main.cpp", "-o", objects[1]], check=True)
+    subprocess.run(["c++", *objects, "-o", tmp_path / "main"], check=True)
+    subprocess.run([tmp_path / "main"], check=True)
 
 
 def test_host_compiles_as_c99_with_every_warning_an_error(tmp_path):

@@ -13,7 +13,16 @@ from gravcomp_lab.synthesis.verilog import source_of
 from playback import play
 from runner import RTL, simulate
 
-OUTPUTS = ("run", "brake_release", "sts_state", "sts_present", "sts_fault", "sts_first_cause", "sts_first_count")
+OUTPUTS = (
+    "run",
+    "brake_release",
+    "sts_state",
+    "sts_present",
+    "sts_fault",
+    "sts_first_cause",
+    "sts_first_count",
+    "sts_events",
+)
 PERIOD_BITS = 32
 WIDTHS = {name: COUNT_BITS for name in ("in_count", "cfg_count_low", "cfg_count_high")} | {
     "in_period": PERIOD_BITS,
@@ -87,7 +96,7 @@ async def run_and_compare(dut, inputs: dict[str, np.ndarray]) -> dict[str, np.nd
     }
     got = await play(dut, packed, OUTPUTS)
     n_axes = inputs["in_count"].shape[1]
-    for name in ("sts_state", "sts_present", "sts_fault", "sts_first_cause"):
+    for name in ("sts_state", "sts_present", "sts_fault", "sts_first_cause", "sts_events"):
         got[name] &= (1 << len(getattr(dut, name))) - 1
     assert set(got["brake_release"].tolist()) <= {0, -1}, "the brakes of all axes move together"
     got["brake_release"] = -got["brake_release"]

@@ -301,6 +301,77 @@ async def one_interrupt_per_tick(dut):
     assert await registers.read("missed_ticks") == 0
 
 
+EVENTS = {"result": 1, "fault": 2, "missed_tick": 4}
+
+
+@cocotb.test()
+@cocotb.parametrize(event=list(EVENTS))
+async def no_event_is_lost_by_a_clear_of_the_others(dut, event):
+    """Their bits are cleared at every clock around the one in which this event reaches the register."""
+    system, lost = System(dut), []
+    await system.start(axi_mhz=40)
+    await system.configure(watchdog_clocks=2**31)
+    registers = system.registers
+    await registers.write("tick_clocks", 17)
+    await registers.write("interrupt_enable", EVENTS[event])
+    for delay in range(24):
+        await registers.write("control", 0)
+        dut.estop_n.value = 1
+        await system.clocks(100)
+        await registers.write("fault", ALL_FAULTS)
+        await system.clocks(60)
+        await registers.write("interrupt_status", 7)
+        assert dut.irq.value == 0
+        while dut.i_system.axi_valid.value != 1:  # the phase of the crossing
+            await system.clocks(1)
+        writes = [cocotb.start_soon(cause_event(system, event))]
+        await system.clocks(delay)
+        writes.append(cocotb.start_soon(registers.write("interrupt_status", 7 & ~EVENTS[event])))
+        for write in writes:
+            await write
+        await system.clocks(150)
+        if dut.irq.value != 1:
+            lost.append(delay)
+    assert not lost, f"{event}: no interrupt when the others are cleared {lost} clocks later"
+
+
+async def cause_event(system: System, event: str) -> None:
+    if event == "fault":
+        system.dut.estop_n.value = 0
+    elif event == "result":
+        await system.registers.write("command", 1)
+    else:
+        await system.registers.write("control", 2)
+
+
+@cocotb.test()
+@cocotb.parametrize(mhz=[(40, 40), (7.3, 100)])
+async def a_fault_that_comes_again_interrupts_again(dut, mhz):
+    """However soon after its clear: also when no word of state crosses while it is gone."""
+    system, missed = System(dut), []
+    await system.start(*mhz)
+    await system.configure(watchdog_clocks=2**31)
+    registers, core = system.registers, dut.i_system.i_core_side
+    await registers.write("interrupt_enable", 2)
+    for delay in range(6):
+        dut.estop_n.value = 0
+        await system.clocks(100)
+        dut.estop_n.value = 1
+        await system.clocks(100)
+        await registers.write("interrupt_status", 7)
+        assert dut.irq.value == 0
+        write = cocotb.start_soon(registers.write("fault", 1))
+        while core.clear_fault.value == 0:
+            await system.clocks(1)
+        await system.clocks(delay)
+        dut.estop_n.value = 0
+        await write
+        await system.clocks(150)
+        if dut.irq.value != 1:
+            missed.append(delay)
+    assert not missed, f"no interrupt when the cause comes again {missed} clocks after the clear"
+
+
 @cocotb.test()
 async def missed_ticks(dut):
     """A tick shorter than an inference: every tick is a result, a miss, or under way; a miss interrupts."""
@@ -740,6 +811,11 @@ def test_system_interrupts_once_per_result_and_counts_missed_ticks():
 @pytest.mark.slow
 def test_system_releases_brakes_and_stops_on_faults():
     simulate_system("brakes_and_faults", "emergency_stop_needs_no_host", "host_that_stands_still", "reset_in_mid_run")
+
+
+@pytest.mark.slow
+def test_system_loses_no_event():
+    simulate_system("no_event_is_lost_by_a_clear_of_the_others", "a_fault_that_comes_again_interrupts_again", lanes=1)
 
 
 @pytest.mark.slow

@@ -2019,11 +2019,11 @@ begin
     begin
         next_c := field_storage.interrupt_status.result.value;
         load_next_c := '0';
-        if decoded_reg_strb.interrupt_status and decoded_req_is_wr then -- SW write 1 clear
-            next_c := field_storage.interrupt_status.result.value and not (decoded_wr_data(0) and decoded_wr_biten(0));
-            load_next_c := '1';
-        elsif hwif_in.interrupt_status.result.next_q then -- stickybit
+        if hwif_in.interrupt_status.result.next_q then -- stickybit
             next_c := '1';
+            load_next_c := '1';
+        elsif decoded_reg_strb.interrupt_status and decoded_req_is_wr then -- SW write 1 clear
+            next_c := field_storage.interrupt_status.result.value and not (decoded_wr_data(0) and decoded_wr_biten(0));
             load_next_c := '1';
         end if;
         field_combo.interrupt_status.result.next_q <= next_c;
@@ -2050,11 +2050,11 @@ begin
     begin
         next_c := field_storage.interrupt_status.fault.value;
         load_next_c := '0';
-        if decoded_reg_strb.interrupt_status and decoded_req_is_wr then -- SW write 1 clear
-            next_c := field_storage.interrupt_status.fault.value and not (decoded_wr_data(1) and decoded_wr_biten(1));
-            load_next_c := '1';
-        elsif hwif_in.interrupt_status.fault.next_q then -- stickybit
+        if hwif_in.interrupt_status.fault.next_q then -- stickybit
             next_c := '1';
+            load_next_c := '1';
+        elsif decoded_reg_strb.interrupt_status and decoded_req_is_wr then -- SW write 1 clear
+            next_c := field_storage.interrupt_status.fault.value and not (decoded_wr_data(1) and decoded_wr_biten(1));
             load_next_c := '1';
         end if;
         field_combo.interrupt_status.fault.next_q <= next_c;
@@ -2081,11 +2081,11 @@ begin
     begin
         next_c := field_storage.interrupt_status.missed_tick.value;
         load_next_c := '0';
-        if decoded_reg_strb.interrupt_status and decoded_req_is_wr then -- SW write 1 clear
-            next_c := field_storage.interrupt_status.missed_tick.value and not (decoded_wr_data(2) and decoded_wr_biten(2));
-            load_next_c := '1';
-        elsif hwif_in.interrupt_status.missed_tick.next_q then -- stickybit
+        if hwif_in.interrupt_status.missed_tick.next_q then -- stickybit
             next_c := '1';
+            load_next_c := '1';
+        elsif decoded_reg_strb.interrupt_status and decoded_req_is_wr then -- SW write 1 clear
+            next_c := field_storage.interrupt_status.missed_tick.value and not (decoded_wr_data(2) and decoded_wr_biten(2));
             load_next_c := '1';
         end if;
         field_combo.interrupt_status.missed_tick.next_q <= next_c;

@@ -4,7 +4,8 @@
 --
 -- Causes that come in the same clock are first together: first_cause may have several bits. It is kept, even if it was
 -- cleared, until no cause is left; the next one is first again.
--- A cause that is cleared while it lasts, or in the clock in which it comes, is kept.
+-- A cause that is cleared while it lasts, or in the clock in which it comes, is kept. events counts the clocks that
+-- bring a cause which is not there, modulo 256: one that comes, is cleared and comes again is not overlooked.
 -- Latency: 1 clock. first_count holds its value until the next first cause.
 
 library ieee;
@@ -28,7 +29,8 @@ entity gc_fault_latch is
     in_count    : in    signed(inputs_c * count_bits_c - 1 downto 0);
     sts_fault   : out   causes_t := no_causes_c;
     first_cause : out   causes_t := no_causes_c;
-    first_count : out   signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0')
+    first_count : out   signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
+    events      : out   unsigned(7 downto 0) := (others => '0')
   );
 end entity gc_fault_latch;
 
@@ -46,6 +48,10 @@ begin
       left_v := (sts_fault and not in_clear) or in_fault;
       sts_fault <= left_v;
 
+      if (left_v and not sts_fault) /= no_causes_c then
+        events <= events + 1;
+      end if;
+
       if left_v = no_causes_c then
         first_cause <= no_causes_c;
       elsif sts_fault = no_causes_c then
@@ -57,6 +63,7 @@ begin
         sts_fault <= no_causes_c;
         first_cause <= no_causes_c;
         first_count <= (others => '0');
+        events <= (others => '0');
       end if;
     end if;
 

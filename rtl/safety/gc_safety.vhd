@@ -82,7 +82,9 @@ entity gc_safety is
     -- Causes that were not cleared yet; those that came first, and where: encoder counts, axis 1 lowest.
     sts_fault             : out   causes_t;
     sts_first_cause       : out   causes_t;
-    sts_first_count       : out   signed(inputs_c * count_bits_c - 1 downto 0)
+    sts_first_count       : out   signed(inputs_c * count_bits_c - 1 downto 0);
+    -- Times that a cause came, modulo 256 (gc_fault_latch).
+    sts_events            : out   unsigned(7 downto 0)
   );
 end entity gc_safety;
 
@@ -270,7 +272,8 @@ begin
       in_count    => count_1,
       sts_fault   => sts_fault,
       first_cause => sts_first_cause,
-      first_count => sts_first_count
+      first_count => sts_first_count,
+      events      => sts_events
     );
 
   carried <= '1' when signed(in_reached) = -1 else '0';

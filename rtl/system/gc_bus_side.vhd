@@ -95,7 +95,7 @@ architecture rtl of gc_bus_side is
 
   signal number     : word_t   := (others => '0');
   signal missed     : word_t   := (others => '0');
-  signal fault      : causes_t := no_causes_c;
+  signal events     : std_ulogic_vector(7 downto 0) := (others => '0');
   signal new_result : std_ulogic := '0';
   signal new_fault  : std_ulogic := '0';
   signal new_missed : std_ulogic := '0';
@@ -318,21 +318,21 @@ begin
       if in_valid = '1' then
         number <= in_state.number;
         missed <= in_state.missed;
-        fault <= in_state.fault;
+        events <= in_state.fault_events;
         if number /= in_state.number then
           new_result <= '1';
         end if;
         if missed /= in_state.missed then
           new_missed <= '1';
         end if;
-        if (in_state.fault and not fault) /= no_causes_c then
+        if events /= in_state.fault_events then
           new_fault <= '1';
         end if;
       end if;
       if rst = '1' then
         number <= (others => '0');
         missed <= (others => '0');
-        fault <= no_causes_c;
+        events <= (others => '0');
         new_result <= '0';
         new_missed <= '0';
         new_fault <= '0';

@@ -114,6 +114,7 @@ architecture rtl of gc_core_side is
   signal cause        : causes_t;
   signal fault        : causes_t;
   signal first_cause  : causes_t;
+  signal fault_events : unsigned(7 downto 0);
   signal first_count  : signed(inputs_c * count_bits_c - 1 downto 0);
   signal control      : std_ulogic_vector(axes_c + 1 downto 0);
   signal control_4    : std_ulogic_vector(axes_c + 1 downto 0);
@@ -284,7 +285,8 @@ begin
       sts_present           => cause,
       sts_fault             => fault,
       sts_first_cause       => first_cause,
-      sts_first_count       => first_count
+      sts_first_count       => first_count,
+      sts_events            => fault_events
     );
 
   drive_current <= command;
@@ -334,6 +336,7 @@ begin
   out_state.cause <= cause;
   out_state.fault <= fault;
   out_state.first_cause <= first_cause;
+  out_state.fault_events <= std_ulogic_vector(fault_events);
   out_state.first_position <= by_axis(first_count);
   out_state.enable <= control_4(0);
   out_state.tick_enable <= control_4(1);

@@ -98,6 +98,7 @@ package gc_system_pkg is
     cause          : causes_t;
     fault          : causes_t;
     first_cause    : causes_t;
+    fault_events   : std_ulogic_vector(7 downto 0);
     first_position : axis_words_t;
     enable         : std_ulogic;
     tick_enable    : std_ulogic;
@@ -117,7 +118,7 @@ package gc_system_pkg is
   );
 
   subtype state_word_t is std_ulogic_vector(
-    3 * 32 + safety_state_t'length + 8 + 12 * axes_c + 7 * 32 * axes_c + 3 * causes_c - 1 downto 0
+    3 * 32 + safety_state_t'length + 8 + 8 + 12 * axes_c + 7 * 32 * axes_c + 3 * causes_c - 1 downto 0
   );
 
   function "or" (
@@ -345,6 +346,7 @@ package body gc_system_pkg is
     put(word_v, state.cause);
     put(word_v, state.fault);
     put(word_v, state.first_cause);
+    put(word_v, state.fault_events);
     put(word_v, state.first_position);
     put(word_v, state.enable);
     put(word_v, state.tick_enable);
@@ -451,6 +453,7 @@ package body gc_system_pkg is
     take(left_v, fields_v.cause);
     take(left_v, fields_v.fault);
     take(left_v, fields_v.first_cause);
+    take(left_v, fields_v.fault_events);
     take(left_v, fields_v.first_position);
     take(left_v, fields_v.enable);
     take(left_v, fields_v.tick_enable);

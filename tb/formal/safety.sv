@@ -34,6 +34,7 @@ module safety (
   wire [2:0] brake_release, state;
   wire [11:0] present, fault, first_cause;
   wire [95:0] first_count;
+  wire [7:0] events;
 
   gc_safety dut (
       .clk(clk), .rst(rst), .estop_n(estop_n), .enable(enable), .clear(clear), .kick(kick), .in_count(in_count),
@@ -44,7 +45,8 @@ module safety (
       .cfg_watchdog_clocks(cfg_watchdog_clocks), .cfg_result_clocks(cfg_result_clocks),
       .cfg_command_clocks(cfg_command_clocks), .cfg_hold_clocks(cfg_hold_clocks),
       .cfg_brake_clocks(cfg_brake_clocks), .run(run), .brake_release(brake_release), .sts_state(state),
-      .sts_present(present), .sts_fault(fault), .sts_first_cause(first_cause), .sts_first_count(first_count)
+      .sts_present(present), .sts_fault(fault), .sts_first_cause(first_cause), .sts_first_count(first_count),
+      .sts_events(events)
   );
 
   // The last clocks; enable counts as high before power-up.
@@ -54,6 +56,7 @@ module safety (
   reg [2:0] state_1 = BRAKED, brake_release_1 = 0;
   reg [11:0] clear_1 = 0, present_1 = 0, fault_1 = 0, first_cause_1 = 0;
   reg [95:0] first_count_1;
+  reg [7:0] events_1 = 0;
 
   // Speed limit: 0 allows none, and what is less than can be measured means the lowest of that.
   reg signed [31:0] limit_1 = 32'h7fff_ffff, floor_1 = -32'h7fff_ffff;
@@ -97,6 +100,7 @@ module safety (
     fault_1 <= fault;
     first_cause_1 <= first_cause;
     first_count_1 <= first_count;
+    events_1 <= events;
   end
 
   always @* begin
@@ -125,6 +129,8 @@ module safety (
     first_cause_is_of_the_clock_that_led_to_fault :
       assert (state != FAULT || state_1 == FAULT || first_cause == fault);
     first_cause_is_there_with_a_fault : assert ((first_cause != 0) == (fault != 0));
+    every_fault_that_comes_is_an_event :
+      assert (events == (rst_1 ? 8'd0 : events_1 + ((fault & ~fault_1) != 0)));
     // Cells that no test of causes in states can reach; tb/test_rtl_safety_cells.py reaches all others.
     command_is_absent_in_braked : assert (!present[10] || state != BRAKED);
     hold_is_absent_in_braked : assert (!present[11] || state != BRAKED);

@@ -124,6 +124,7 @@ architecture sim of gc_words_bench is
     cause          => value(28, causes_c),
     fault          => value(29, causes_c),
     first_cause    => value(30, causes_c),
+    fault_events   => value(33, 8),
     first_position => axis_values(31),
     enable         => '1',
     tick_enable    => '0',

@@ -78,7 +78,7 @@ def safety(
     """
     known, estop_n = synchronizer(inputs["rst"], inputs["estop_n"], sync_stages)
     present = _present(inputs, period_shortest) | (known & ~estop_n & 1) << Cause.ESTOP
-    names = ("run", "brake_release", "sts_state", "sts_fault", "sts_first_cause")
+    names = ("run", "brake_release", "sts_state", "sts_fault", "sts_first_cause", "sts_events")
     out = {name: np.zeros_like(present) for name in names} | {"sts_present": present}
     out["sts_first_count"] = np.zeros_like(inputs["in_count"])
     sequencer, latch, count_1 = Sequencer(), FaultLatch(), np.zeros_like(inputs["in_count"][0])
@@ -104,7 +104,7 @@ def safety(
         out["run"][k + 1] = sequencer.state in (State.HOLDING, State.RUN)
         out["brake_release"][k + 1] = sequencer.state == State.RUN
         out["sts_fault"][k + 1], out["sts_first_cause"][k + 1] = latch.causes, latch.first_cause
-        out["sts_first_count"][k + 1] = latch.first_count
+        out["sts_first_count"][k + 1], out["sts_events"][k + 1] = latch.first_count, latch.events
     present[-1] |= load.present(sequencer.state)
     return out
 
@@ -178,10 +178,10 @@ class Sequencer:
 
 
 class FaultLatch:
-    """gc_fault_latch, a clock at a time: causes that were not cleared yet, first_cause and first_count."""
+    """gc_fault_latch, a clock at a time: causes that were not cleared yet, first_cause, first_count and events."""
 
     def __init__(self) -> None:
-        self.causes = self.first_cause = 0
+        self.causes = self.first_cause = self.events = 0
         self.first_count: np.ndarray | int = 0
 
     def clock(self, rst: bool, clear: int, fault: int, count: np.ndarray) -> None:
@@ -189,6 +189,7 @@ class FaultLatch:
         if rst:
             self.__init__()
             return
+        self.events = (self.events + ((self.causes & ~clear | fault) & ~self.causes != 0)) % 256
         if not self.causes and fault:
             self.first_cause, self.first_count = fault, count
         self.causes = self.causes & ~clear | fault
