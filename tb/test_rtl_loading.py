@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from cocotb.task import bridge
 from cocotb.triggers import FallingEdge, ReadOnly
+from cocotb.utils import get_sim_time
 
 from axi import BusError, SimulatedBus
 from gravcomp.driver.host import Brakes, Host, Result
@@ -28,8 +29,8 @@ async def record_loads(dut, loads: list) -> None:
     kinds = ("word", "begin", "commit", "rom")
     while True:
         await FallingEdge(dut.clk)
-        if dut.i_system.load_valid.value == 1:
-            dut.load_bits.value = dut.i_system.core_load_word.value
+        if dut.i_system.settings_valid.value == 1:
+            dut.settings_bits.value = dut.i_system.core_settings_word.value
             await ReadOnly()
             word, found = int(dut.load_word.value), int(dut.load_kinds.value)
             loads += [(kind, word) for bit, kind in enumerate(kinds) if found >> bit & 1]
@@ -111,6 +112,45 @@ async def every_word_arrives_once_in_order(dut, mhz):
     await registers.write("load_command", COMMIT)
     await system.clocks(40)
     assert loads == [("begin", 0), *(("word", word) for word in words), ("commit", 0xDEADBEEF)]
+
+
+@cocotb.test()
+@cocotb.parametrize(mhz=[(100, 40), (100, 20), (100, 7.3), (10, 40)])
+async def settings_and_loads_keep_their_order(dut, mhz):
+    """A load finds the setting written before it, and not the one written behind it."""
+    system = System(dut)
+    await system.start(*mhz)
+    registers, found, n_writes = system.registers, [], 12
+
+    async def watch() -> None:
+        while True:
+            await FallingEdge(dut.clk)
+            if dut.i_system.settings_valid.value == 1:
+                dut.settings_bits.value = dut.i_system.core_settings_word.value
+                await ReadOnly()
+                if dut.load_kinds.value != 0:
+                    found.append((int(dut.load_word.value), int(dut.settings_weights.value)))
+
+    watcher = cocotb.start_soon(watch())
+    await registers.write("load_unlock", KEY)
+    for n in range(1, n_writes + 1):
+        await registers.write("expected_weights", n)
+        await registers.write("load_word", n)
+    await system.clocks(60)
+    watcher.cancel()
+    assert found == [(n, n) for n in range(1, n_writes + 1)]
+
+
+@cocotb.test()
+@cocotb.parametrize(mhz=[(10, 40), (100, 40)])
+async def time_per_word(dut, mhz):
+    system, n_words = System(dut), 40
+    await system.start(*mhz)
+    await system.registers.write("load_unlock", KEY)
+    began = get_sim_time("ns")
+    for n in range(n_words):
+        await system.registers.write("load_word", n)
+    print(f"MEASURED {mhz} MHz: {(get_sim_time('ns') - began) / n_words:.0f} ns per word")
 
 
 @cocotb.test()
@@ -208,6 +248,10 @@ def simulate_loading(*tests: str, loadable: bool = True, environment: dict[str, 
 
 def test_loading_needs_the_key():
     simulate_loading("locked_without_the_key", "the_lock_is_that_of_the_write_before")
+
+
+def test_loading_is_in_order_with_the_settings():
+    simulate_loading("settings_and_loads_keep_their_order", "time_per_word")
 
 
 @pytest.mark.slow

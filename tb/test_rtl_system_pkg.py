@@ -5,7 +5,7 @@ from cocotb.triggers import Timer
 
 from runner import BENCHES, simulate
 
-RECORDS = ("settings", "state", "load")
+RECORDS = ("settings", "state")
 
 
 @cocotb.test()

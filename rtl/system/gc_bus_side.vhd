@@ -8,8 +8,9 @@
 -- of state that brings new results, a new fault or new missed ticks.
 -- An address without a register, a write to a register that cannot be written and a read of one that cannot be read
 -- get the response SLVERR and change nothing; so does a write to the loader while it is locked.
--- A write address is taken when the write before it was answered and load_ready is '1': a write finds the lock as those
--- before it have left it, and nothing is loaded faster than it is taken.
+-- A write address is taken when the write before it was answered and what that loads has gone out, in one word with
+-- the settings: a write finds the lock as those before it have left it, none overtakes another on the way to the core,
+-- and nothing is loaded faster than it is taken.
 -- Latency: 1 clock from in_valid to the interrupt status. AXI4-Lite: see registers/gc_registers.vhd; one write and two
 -- reads may be under way.
 
@@ -57,13 +58,9 @@ entity gc_bus_side is
     s_axi_rready  : in    std_ulogic;
     -- An enabled interrupt bit is set; a level.
     irq           : out   std_ulogic;
-    -- The settings of this clock and the commands that wait; taken in a clock with out_ready.
+    -- The settings of this clock, and the commands and the load that wait; taken in a clock with out_ready.
     out_settings  : out   settings_t;
     out_ready     : in    std_ulogic;
-    -- What is loaded, taken in a clock with load_ready. load_ready falls in the clock after that, until it has arrived.
-    load_valid    : out   std_ulogic;
-    load_ready    : in    std_ulogic;
-    load_data     : out   load_t;
     -- New state.
     in_valid      : in    std_ulogic;
     in_state      : in    state_t
@@ -90,8 +87,10 @@ architecture rtl of gc_bus_side is
   signal bvalid        : std_ulogic;
   signal loaded        : std_ulogic := '0';
 
-  signal command : commands_t;
-  signal waiting : commands_t := no_commands_c;
+  signal command       : commands_t;
+  signal waiting       : commands_t := no_commands_c;
+  signal loads         : load_t;
+  signal loads_waiting : load_t := no_load_c;
 
   signal number     : word_t   := (others => '0');
   signal missed     : word_t   := (others => '0');
@@ -133,7 +132,7 @@ begin
 
   -- Writes, one at a time
 
-  write_ready <= load_ready and not writing;
+  write_ready <= not (writing or any_of(loads) or any_of(loads_waiting));
   write_valid <= s_axi_awvalid and write_ready;
   s_axi_awready <= awready and write_ready;
   s_axi_bvalid <= bvalid;
@@ -175,13 +174,11 @@ begin
 
   end process p_loaded;
 
-  load_data.word <= regs_out.load_word.value.value when loaded = '1' else regs_out.load_crc.value.value;
-  load_data.is_word <= loaded;
-  load_data.begin_image <= regs_out.load_command.begin_image.value;
-  load_data.commit <= regs_out.load_command.commit.value;
-  load_data.use_rom <= regs_out.load_command.use_rom.value;
-
-  load_valid <= load_data.is_word or load_data.begin_image or load_data.commit or load_data.use_rom;
+  loads.word <= regs_out.load_word.value.value when loaded = '1' else regs_out.load_crc.value.value;
+  loads.is_word <= loaded;
+  loads.begin_image <= regs_out.load_command.begin_image.value;
+  loads.commit <= regs_out.load_command.commit.value;
+  loads.use_rom <= regs_out.load_command.use_rom.value;
 
   -- Identity
 
@@ -214,15 +211,22 @@ begin
       waiting <= waiting or command;
       if out_ready = '1' then
         waiting <= command;
+        loads_waiting <= no_load_c;
+      end if;
+      -- Nothing waits then: a write behind one to the loader is not taken before that has gone.
+      if any_of(loads) = '1' then
+        loads_waiting <= loads;
       end if;
       if rst = '1' then
         waiting <= no_commands_c;
+        loads_waiting <= no_load_c;
       end if;
     end if;
 
   end process p_commands;
 
   out_settings.commands <= waiting;
+  out_settings.load <= loads_waiting;
   out_settings.enable <= regs_out.control.enable.value;
   out_settings.tick_enable <= regs_out.control.tick_enable.value;
   out_settings.home <= regs_out.control.home_enable.value;

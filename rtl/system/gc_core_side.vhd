@@ -38,12 +38,9 @@ entity gc_core_side is
     pin_z         : in    std_ulogic_vector(inputs_c - 1 downto 0);
     pin_error     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
     estop_n       : in    std_ulogic;
-    -- Settings; their command bits count only with in_valid.
+    -- Settings; their commands and loads count only with in_valid.
     in_valid      : in    std_ulogic;
     in_settings   : in    settings_t;
-    -- What is loaded, one clock each.
-    in_load_valid : in    std_ulogic;
-    in_load       : in    load_t;
     -- Current commands, uA, axis 1 lowest: one clock per new command.
     drive_valid   : out   std_ulogic;
     drive_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
@@ -131,10 +128,10 @@ begin
   kick <= in_settings.commands.kick and in_valid;
   clear_encoder <= in_settings.commands.clear_encoder and in_valid;
   clear_fault <= in_settings.commands.clear_fault when in_valid = '1' else no_causes_c;
-  load_begin <= in_load.begin_image and in_load_valid;
-  load_valid <= in_load.is_word and in_load_valid;
-  load_commit <= in_load.commit and in_load_valid;
-  load_rom <= in_load.use_rom and in_load_valid;
+  load_begin <= in_settings.load.begin_image and in_valid;
+  load_valid <= in_settings.load.is_word and in_valid;
+  load_commit <= in_settings.load.commit and in_valid;
+  load_rom <= in_settings.load.use_rom and in_valid;
 
   i_tick : entity work.gc_tick
     port map (
@@ -187,9 +184,9 @@ begin
       sts_glitch         => glitch,
       load_begin         => load_begin,
       load_valid         => load_valid,
-      load_word          => in_load.word,
+      load_word          => in_settings.load.word,
       load_commit        => load_commit,
-      load_crc           => in_load.word,
+      load_crc           => in_settings.load.word,
       load_rom           => load_rom,
       sts_load_bad       => load_bad,
       sts_load_waiting   => load_waiting,

@@ -2,8 +2,8 @@
 --
 -- Everything around the robot: encoders, network, drives, brakes and emergency stop on one side, a host on the other.
 --
--- Two unrelated clocks: clk for the core, s_axi_aclk for the registers (registers/gc_registers.rdl). They meet in three
--- gc_crossing_bus, settings and what is loaded there, state back, and in the reset; nothing else crosses. Settings and
+-- Two unrelated clocks: clk for the core, s_axi_aclk for the registers (registers/gc_registers.rdl). They meet in two
+-- gc_crossing_bus, all that the host writes there, state back, and in the reset; nothing else crosses. Settings and
 -- state cross all the time: they are a round trip old, at most two.
 -- Reset: s_axi_aresetn, low for 8 clocks of the slower clock; it also resets the core: brakes engaged, commands zero.
 -- Latency: see docs/guide/system.md.
@@ -84,19 +84,12 @@ architecture rtl of gc_system is
   signal axi_settings       : settings_t;
   signal axi_settings_word  : settings_word_t;
   signal axi_ready          : std_ulogic;
-  signal axi_load           : load_t;
-  signal axi_load_word      : load_word_t;
-  signal axi_load_valid     : std_ulogic;
-  signal axi_load_ready     : std_ulogic;
   signal axi_state          : state_t;
   signal axi_state_word     : state_word_t;
   signal axi_valid          : std_ulogic;
   signal core_settings      : settings_t;
   signal core_settings_word : settings_word_t;
   signal settings_valid     : std_ulogic;
-  signal core_load          : load_t;
-  signal core_load_word     : load_word_t;
-  signal load_valid         : std_ulogic;
   signal core_state         : state_t;
   signal core_state_word    : state_word_t;
   signal state_valid        : std_ulogic;
@@ -158,9 +151,6 @@ begin
       irq           => irq,
       out_settings  => axi_settings,
       out_ready     => axi_ready,
-      load_valid    => axi_load_valid,
-      load_ready    => axi_load_ready,
-      load_data     => axi_load,
       in_valid      => axi_valid,
       in_state      => axi_state
     );
@@ -183,24 +173,6 @@ begin
       out_data  => core_settings_word
     );
 
-  axi_load_word <= to_word(axi_load);
-  core_load <= to_load(core_load_word);
-
-  i_load : entity work.gc_crossing_bus
-    generic map (
-      width_g => load_word_t'length
-    )
-    port map (
-      in_clk    => s_axi_aclk,
-      in_valid  => axi_load_valid,
-      in_ready  => axi_load_ready,
-      in_data   => axi_load_word,
-      out_clk   => clk,
-      out_rst   => rst,
-      out_valid => load_valid,
-      out_data  => core_load_word
-    );
-
   i_core_side : entity work.gc_core_side
     generic map (
       lanes_g           => lanes_g,
@@ -220,8 +192,6 @@ begin
       estop_n       => estop_n,
       in_valid      => settings_valid,
       in_settings   => core_settings,
-      in_load_valid => load_valid,
-      in_load       => core_load,
       drive_valid   => drive_valid,
       drive_current => drive_current,
       drive_enable  => drive_enable,

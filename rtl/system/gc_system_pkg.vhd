@@ -36,6 +36,8 @@ package gc_system_pkg is
     use_rom     : std_ulogic;
   end record load_t;
 
+  constant no_load_c : load_t := ((others => '0'), '0', '0', '0', '0');
+
   -- One clock each in the core; clear_fault has a bit per cause.
 
   type commands_t is record
@@ -68,6 +70,7 @@ package gc_system_pkg is
     window_low        : axis_words_t;
     window_high       : axis_words_t;
     commands          : commands_t;
+    load              : load_t;
   end record settings_t;
 
   -- Fields as the registers of the same names.
@@ -111,24 +114,24 @@ package gc_system_pkg is
 
   -- The sums of the bits of all fields.
 
-  subtype load_word_t is std_ulogic_vector(32 + 4 - 1 downto 0);
-
   subtype settings_word_t is std_ulogic_vector(
-    2 + axes_c + 8 * 32 + 4 * 31 + 4 * 32 * axes_c + 3 + causes_c - 1 downto 0
+    2 + axes_c + 8 * 32 + 4 * 31 + 4 * 32 * axes_c + 3 + causes_c + 32 + 4 - 1 downto 0
   );
 
   subtype state_word_t is std_ulogic_vector(
     3 * 32 + safety_state_t'length + 8 + 8 + 12 * axes_c + 7 * 32 * axes_c + 3 * causes_c - 1 downto 0
   );
 
+  -- Whether it loads anything.
+
+  function any_of (
+    load : load_t
+  ) return std_ulogic;
+
   function "or" (
     left  : commands_t;
     right : commands_t
   ) return commands_t;
-
-  function to_word (
-    load : load_t
-  ) return load_word_t;
 
   function to_word (
     settings : settings_t
@@ -137,10 +140,6 @@ package gc_system_pkg is
   function to_word (
     state : state_t
   ) return state_word_t;
-
-  function to_load (
-    word : load_word_t
-  ) return load_t;
 
   function to_settings (
     word : settings_word_t
@@ -241,6 +240,15 @@ package body gc_system_pkg is
 
   end procedure take;
 
+  function any_of (
+    load : load_t
+  ) return std_ulogic is
+  begin
+
+    return load.is_word or load.begin_image or load.commit or load.use_rom;
+
+  end function any_of;
+
   function "or" (
     left  : commands_t;
     right : commands_t
@@ -258,24 +266,6 @@ package body gc_system_pkg is
     return either_v;
 
   end function "or";
-
-  function to_word (
-    load : load_t
-  ) return load_word_t is
-
-    variable word_v : load_word_t := (others => '0');
-
-  begin
-
-    put(word_v, load.word);
-    put(word_v, load.is_word);
-    put(word_v, load.begin_image);
-    put(word_v, load.commit);
-    put(word_v, load.use_rom);
-
-    return word_v;
-
-  end function to_word;
 
   function to_word (
     settings : settings_t
@@ -308,6 +298,11 @@ package body gc_system_pkg is
     put(word_v, settings.commands.kick);
     put(word_v, settings.commands.clear_encoder);
     put(word_v, settings.commands.clear_fault);
+    put(word_v, settings.load.word);
+    put(word_v, settings.load.is_word);
+    put(word_v, settings.load.begin_image);
+    put(word_v, settings.load.commit);
+    put(word_v, settings.load.use_rom);
 
     return word_v;
 
@@ -360,26 +355,6 @@ package body gc_system_pkg is
 
   end function to_word;
 
-  function to_load (
-    word : load_word_t
-  ) return load_t is
-
-    variable left_v   : load_word_t;
-    variable fields_v : load_t;
-
-  begin
-
-    left_v := word;
-    take(left_v, fields_v.word);
-    take(left_v, fields_v.is_word);
-    take(left_v, fields_v.begin_image);
-    take(left_v, fields_v.commit);
-    take(left_v, fields_v.use_rom);
-
-    return fields_v;
-
-  end function to_load;
-
   function to_settings (
     word : settings_word_t
   ) return settings_t is
@@ -413,6 +388,11 @@ package body gc_system_pkg is
     take(left_v, fields_v.commands.kick);
     take(left_v, fields_v.commands.clear_encoder);
     take(left_v, fields_v.commands.clear_fault);
+    take(left_v, fields_v.load.word);
+    take(left_v, fields_v.load.is_word);
+    take(left_v, fields_v.load.begin_image);
+    take(left_v, fields_v.load.commit);
+    take(left_v, fields_v.load.use_rom);
 
     return fields_v;
 

@@ -21,8 +21,7 @@ module interrupts (
     input [31:0] number,
     input [7:0] fault_events,
     input [31:0] missed,
-    input out_ready,
-    input load_ready
+    input out_ready
 );
 
   localparam [11:0] ENABLE = 12'h1A0, STATUS = 12'h1A4;
@@ -41,7 +40,7 @@ module interrupts (
       .s_axi_awready(awready), .s_axi_wdata(go ? wdata & ~watched : watched), .s_axi_wstrb(go ? wstrb : 4'hF),
       .s_axi_wvalid(wvalid), .s_axi_wready(wready), .s_axi_bvalid(bvalid), .s_axi_bready(bready),
       .s_axi_araddr(araddr), .s_axi_arprot(3'b0), .s_axi_arvalid(arvalid), .s_axi_rready(rready), .irq(irq),
-      .out_ready(out_ready), .load_ready(load_ready), .in_valid(in_valid), .in_state_number(number),
+      .out_ready(out_ready), .in_valid(in_valid), .in_state_number(number),
       .in_state_fault_events(fault_events), .in_state_missed(missed)
   );
 

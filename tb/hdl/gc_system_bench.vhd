@@ -65,20 +65,19 @@ architecture sim of gc_system_bench is
   signal true_count : signed(inputs_c * 32 - 1 downto 0);
 
   -- The test writes a word that crosses to *_bits, and reads its fields: cocotb sees no records.
-  signal state_bits     : state_word_t;
-  signal state          : state_t;
-  signal state_number   : word_t;
-  signal state_position : flat_t;
-  signal state_period   : flat_t;
-  signal state_force    : flat_t;
-  signal state_current  : flat_t;
-  signal settings_bits  : settings_word_t;
-  signal settings       : settings_t;
-  signal settings_home  : axes_t;
-  signal load_bits      : load_word_t;
-  signal loads          : load_t;
-  signal load_kinds     : std_ulogic_vector(3 downto 0);
-  signal load_word      : word_t;
+  signal state_bits       : state_word_t;
+  signal state            : state_t;
+  signal state_number     : word_t;
+  signal state_position   : flat_t;
+  signal state_period     : flat_t;
+  signal state_force      : flat_t;
+  signal state_current    : flat_t;
+  signal settings_bits    : settings_word_t;
+  signal settings         : settings_t;
+  signal settings_weights : word_t;
+  signal settings_home    : axes_t;
+  signal load_kinds       : std_ulogic_vector(3 downto 0);
+  signal load_word        : word_t;
 
 begin
 
@@ -153,9 +152,9 @@ begin
 
   settings <= to_settings(settings_bits);
   settings_home <= settings.home;
+  settings_weights <= settings.weights;
 
-  loads <= to_load(load_bits);
-  load_kinds <= loads.use_rom & loads.commit & loads.begin_image & loads.is_word;
-  load_word <= loads.word;
+  load_kinds <= settings.load.use_rom & settings.load.commit & settings.load.begin_image & settings.load.is_word;
+  load_word <= settings.load.word;
 
 end architecture sim;
