@@ -39,7 +39,7 @@ PLANTED = [
         ("if clear = '1' then", "if enable = '0' then", "fault_lasts_until_all_are_cleared_and_no_cause_is_present"),
     ]),
     ("interrupts", "gc_bus_side", [
-        ("events /= in_state.fault_events", "unsigned(events) < unsigned(in_state.fault_events)", "no_event_is_lost"),
+        ("events /= in_state.fault_events", "events(0) /= in_state.fault_events(0)", "no_event_is_lost"),
     ]),
     ("interrupts", "gc_registers", [
         ("if hwif_in.interrupt_status.fault.next_q then -- stickybit\n            next_c := '1';",

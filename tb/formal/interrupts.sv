@@ -1,5 +1,5 @@
-// Claims of gc_bus_side about its interrupt: no event is lost, whatever the master writes when, unless to the bit of
-// the event.
+// Claims of gc_bus_side about its interrupt: the first event after reset is not lost, whatever the master writes when,
+// unless to the bit of the event.
 //
 // Of the three events one is watched, any of them. Until `go` the master can only enable its interrupt, and does; from
 // then on it reads and writes anything, but leaves that bit alone in both registers.
