@@ -11,4 +11,4 @@ set_min_delay -from [get_clocks clk] -to [get_clocks s_axi_aclk] -25.000
 set_min_delay -from [get_clocks s_axi_aclk] -to [get_clocks clk] -25.000
 
 # Each pin ends in a synchroniser.
-set_false_path -from [get_ports {pin_a[*] pin_b[*] pin_z[*] pin_error[*] estop_n}]
+set_false_path -from [get_ports {pin_a[*] pin_b[*] pin_z[*] pin_error[*] estop_n brake_fed[*]}]

@@ -9,4 +9,4 @@ set_max_delay -datapath_only -from [get_clocks clk] -to [get_clocks s_axi_aclk] 
 set_max_delay -datapath_only -from [get_clocks s_axi_aclk] -to [get_clocks clk] 25.000
 
 # Each pin ends in a synchroniser, whose flip-flops carry ASYNC_REG in the VHDL.
-set_false_path -from [get_ports {pin_a[*] pin_b[*] pin_z[*] pin_error[*] estop_n}]
+set_false_path -from [get_ports {pin_a[*] pin_b[*] pin_z[*] pin_error[*] estop_n brake_fed[*]}]

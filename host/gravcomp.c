@@ -124,6 +124,7 @@ const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp
     uint64_t slew = settings->current_slew_ua;
     uint64_t results = 0;
     uint64_t ramp = 0;
+    uint64_t test = clocks(identity, settings->brake_test_us);
 
     if (limit > INT32_MAX) {
         return "current_limit_ua: above 2147483647";
@@ -148,8 +149,11 @@ const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp
     }
     results = (limit + slew - 1) / slew + 1;
     ramp = results * clocks(identity, settings->tick_us) + clocks(identity, settings->brake_us);
+    if (test > 0) {
+        ramp += 4 * GRAVCOMP_AXES * (test + 2) + 1;
+    }
     if (ramp > clocks(identity, settings->hold_us)) {
-        return "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us";
+        return "hold_us: shorter than the slew from 0 to current_limit_ua, brake_us and the test of the brakes";
     }
     return NULL;
 }
@@ -178,6 +182,7 @@ gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_ident
     write_word(bus, OFFSET(brake_clocks), clocks(identity, settings->brake_us));
     write_word(bus, OFFSET(command_clocks), clocks(identity, settings->command_us));
     write_word(bus, OFFSET(hold_clocks), clocks(identity, settings->hold_us));
+    write_word(bus, OFFSET(brake_test_clocks), clocks(identity, settings->brake_test_us));
     for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
         uint32_t low = (uint32_t)identity->trained_low[i] - settings->margin_counts;
         uint32_t high = (uint32_t)identity->trained_high[i] + settings->margin_counts;
@@ -277,6 +282,16 @@ void gravcomp_kick(const gravcomp_bus *bus)
 void gravcomp_clear_faults(const gravcomp_bus *bus, uint32_t faults)
 {
     write_word(bus, OFFSET(fault), faults);
+}
+
+bool gravcomp_core_runs(const gravcomp_bus *bus)
+{
+    return FIELD(read_word(bus, OFFSET(guards)), GUARDS__CORE_CLOCK) != 0;
+}
+
+uint8_t gravcomp_brakes_fed(const gravcomp_bus *bus)
+{
+    return (uint8_t)FIELD(read_word(bus, OFFSET(guards)), GUARDS__FEEDBACK);
 }
 
 void gravcomp_clear_encoders(const gravcomp_bus *bus)

@@ -64,6 +64,7 @@ typedef struct {
     uint32_t command_bound_ua;                    /* largest distance of a command from the current asked for ... */
     uint32_t command_us;                          /* ... but for so long, while the brakes are released */
     uint32_t hold_us;                             /* longest time until the motors have taken the load */
+    uint32_t brake_test_us;                       /* for the read-back of a brake to follow in its test; 0 without one */
 } gravcomp_settings;
 
 typedef enum {
@@ -107,12 +108,14 @@ typedef struct {
 #define GRAVCOMP_ON_RESULT 1u
 #define GRAVCOMP_ON_FAULT 2u
 #define GRAVCOMP_ON_MISSED_TICK 4u
+#define GRAVCOMP_ON_CORE_STOPPED 8u /* the core's clock stopped: brakes engaged, the rest of the state is old */
 
 /* Check that the core is there and read who it is. */
 gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identity);
 
 /* Why the brakes could never be released with these settings, in a line; NULL when they can. The slew must take a command
- * from zero to current_limit_ua, a tick per step and one more, and leave brake_us, within hold_us. */
+ * from zero to current_limit_ua, a tick per step and one more, and leave brake_us and four times brake_test_us per axis,
+ * within hold_us. */
 const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp_settings *settings);
 
 /* Write limits and times; those of speed and time become clocks, rounded down. Nothing where it refuses them. */
@@ -141,6 +144,12 @@ gravcomp_result gravcomp_stop(const gravcomp_bus *bus);
 
 /* The host is alive. */
 void gravcomp_kick(const gravcomp_bus *bus);
+
+/* Whether the core's clock runs. While it does not, what gravcomp_read tells is old; the brakes are engaged. */
+bool gravcomp_core_runs(const gravcomp_bus *bus);
+
+/* Axes whose brake is fed by its read-back; 0 if the core was built without. */
+uint8_t gravcomp_brakes_fed(const gravcomp_bus *bus);
 
 /* Forget lost counts and glitches. */
 void gravcomp_clear_encoders(const gravcomp_bus *bus);

@@ -191,6 +191,12 @@ extern "C" {
 #define GC_REGISTERS__HOLD_CLOCKS__VALUE_bw 32
 #define GC_REGISTERS__HOLD_CLOCKS__VALUE_reset 0x0
 
+// reg - gc_registers.brake_test_clocks
+#define GC_REGISTERS__BRAKE_TEST_CLOCKS__VALUE_bm 0xffffffff
+#define GC_REGISTERS__BRAKE_TEST_CLOCKS__VALUE_bp 0
+#define GC_REGISTERS__BRAKE_TEST_CLOCKS__VALUE_bw 32
+#define GC_REGISTERS__BRAKE_TEST_CLOCKS__VALUE_reset 0x0
+
 // reg - gc_registers.index_period[]
 #define GC_REGISTERS__INDEX_PERIODX__VALUE_bm 0xffffffff
 #define GC_REGISTERS__INDEX_PERIODX__VALUE_bp 0
@@ -284,14 +290,14 @@ extern "C" {
 #define GC_REGISTERS__POSITION_NOWX__VALUE_bw 32
 
 // reg - gc_registers.cause
-#define GC_REGISTERS__CAUSE__VALUE_bm 0xfff
+#define GC_REGISTERS__CAUSE__VALUE_bm 0xffff
 #define GC_REGISTERS__CAUSE__VALUE_bp 0
-#define GC_REGISTERS__CAUSE__VALUE_bw 12
+#define GC_REGISTERS__CAUSE__VALUE_bw 16
 
 // reg - gc_registers.fault
-#define GC_REGISTERS__FAULT__CLEAR_bm 0xfff
+#define GC_REGISTERS__FAULT__CLEAR_bm 0xffff
 #define GC_REGISTERS__FAULT__CLEAR_bp 0
-#define GC_REGISTERS__FAULT__CLEAR_bw 12
+#define GC_REGISTERS__FAULT__CLEAR_bw 16
 #define GC_REGISTERS__FAULT__CLEAR_reset 0x0
 #define GC_REGISTERS__FAULT__ESTOP_bm 0x1
 #define GC_REGISTERS__FAULT__ESTOP_bp 0
@@ -329,11 +335,23 @@ extern "C" {
 #define GC_REGISTERS__FAULT__HOLD_bm 0x800
 #define GC_REGISTERS__FAULT__HOLD_bp 11
 #define GC_REGISTERS__FAULT__HOLD_bw 1
+#define GC_REGISTERS__FAULT__BRAKE_bm 0x1000
+#define GC_REGISTERS__FAULT__BRAKE_bp 12
+#define GC_REGISTERS__FAULT__BRAKE_bw 1
+#define GC_REGISTERS__FAULT__CLOCK_bm 0x2000
+#define GC_REGISTERS__FAULT__CLOCK_bp 13
+#define GC_REGISTERS__FAULT__CLOCK_bw 1
+#define GC_REGISTERS__FAULT__CORE_bm 0x4000
+#define GC_REGISTERS__FAULT__CORE_bp 14
+#define GC_REGISTERS__FAULT__CORE_bw 1
+#define GC_REGISTERS__FAULT__UPSET_bm 0x8000
+#define GC_REGISTERS__FAULT__UPSET_bp 15
+#define GC_REGISTERS__FAULT__UPSET_bw 1
 
 // reg - gc_registers.first_cause
-#define GC_REGISTERS__FIRST_CAUSE__VALUE_bm 0xfff
+#define GC_REGISTERS__FIRST_CAUSE__VALUE_bm 0xffff
 #define GC_REGISTERS__FIRST_CAUSE__VALUE_bp 0
-#define GC_REGISTERS__FIRST_CAUSE__VALUE_bw 12
+#define GC_REGISTERS__FIRST_CAUSE__VALUE_bw 16
 
 // reg - gc_registers.first_position[]
 #define GC_REGISTERS__FIRST_POSITIONX__VALUE_bm 0xffffffff
@@ -364,6 +382,10 @@ extern "C" {
 #define GC_REGISTERS__INTERRUPT_ENABLE__MISSED_TICK_bp 2
 #define GC_REGISTERS__INTERRUPT_ENABLE__MISSED_TICK_bw 1
 #define GC_REGISTERS__INTERRUPT_ENABLE__MISSED_TICK_reset 0x0
+#define GC_REGISTERS__INTERRUPT_ENABLE__CORE_CLOCK_bm 0x8
+#define GC_REGISTERS__INTERRUPT_ENABLE__CORE_CLOCK_bp 3
+#define GC_REGISTERS__INTERRUPT_ENABLE__CORE_CLOCK_bw 1
+#define GC_REGISTERS__INTERRUPT_ENABLE__CORE_CLOCK_reset 0x0
 
 // reg - gc_registers.interrupt_status
 #define GC_REGISTERS__INTERRUPT_STATUS__RESULT_bm 0x1
@@ -378,6 +400,10 @@ extern "C" {
 #define GC_REGISTERS__INTERRUPT_STATUS__MISSED_TICK_bp 2
 #define GC_REGISTERS__INTERRUPT_STATUS__MISSED_TICK_bw 1
 #define GC_REGISTERS__INTERRUPT_STATUS__MISSED_TICK_reset 0x0
+#define GC_REGISTERS__INTERRUPT_STATUS__CORE_CLOCK_bm 0x8
+#define GC_REGISTERS__INTERRUPT_STATUS__CORE_CLOCK_bp 3
+#define GC_REGISTERS__INTERRUPT_STATUS__CORE_CLOCK_bw 1
+#define GC_REGISTERS__INTERRUPT_STATUS__CORE_CLOCK_reset 0x0
 
 // reg - gc_registers.load_unlock
 #define GC_REGISTERS__LOAD_UNLOCK__KEY_bm 0xffffffff
@@ -433,6 +459,14 @@ extern "C" {
 #define GC_REGISTERS__LOAD_WORD__VALUE_bw 32
 #define GC_REGISTERS__LOAD_WORD__VALUE_reset 0x0
 
+// reg - gc_registers.guards
+#define GC_REGISTERS__GUARDS__CORE_CLOCK_bm 0x1
+#define GC_REGISTERS__GUARDS__CORE_CLOCK_bp 0
+#define GC_REGISTERS__GUARDS__CORE_CLOCK_bw 1
+#define GC_REGISTERS__GUARDS__FEEDBACK_bm 0x70
+#define GC_REGISTERS__GUARDS__FEEDBACK_bp 4
+#define GC_REGISTERS__GUARDS__FEEDBACK_bw 3
+
 // addrmap - gc_registers
 typedef struct __attribute__ ((__packed__)) {
     uint32_t id;
@@ -468,7 +502,7 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t command_bound_ua;
     uint32_t command_clocks;
     uint32_t hold_clocks;
-    uint8_t RESERVED_ec_ef[0x4];
+    uint32_t brake_test_clocks;
     uint32_t index_period[3];
     uint8_t RESERVED_fc_ff[0x4];
     uint32_t result_number;
@@ -505,6 +539,8 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t load_command;
     uint32_t load_crc;
     uint32_t load_word;
+    uint8_t RESERVED_1cc_1cf[0x4];
+    uint32_t guards;
 } gc_registers_t;
 
 

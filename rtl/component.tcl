@@ -9,6 +9,11 @@ proc init_gui {IPINST} {
     ipgui::add_param $IPINST -name reversal_clocks_g
     ipgui::add_param $IPINST -name dither_clocks_g
     ipgui::add_param $IPINST -name loadable_g
+    ipgui::add_param $IPINST -name clock_watch_g
+    ipgui::add_param $IPINST -name two_paths_g
+    ipgui::add_param $IPINST -name brake_feedback_g
+    ipgui::add_param $IPINST -name brake_test_g
+    ipgui::add_param $IPINST -name guard_g
 }
 
 proc update_PARAM_VALUE.lanes_g {PARAM_VALUE.lanes_g} {}
@@ -79,4 +84,54 @@ proc validate_PARAM_VALUE.loadable_g {PARAM_VALUE.loadable_g} {
 
 proc update_MODELPARAM_VALUE.loadable_g {MODELPARAM_VALUE.loadable_g PARAM_VALUE.loadable_g} {
     set_property value [get_property value ${PARAM_VALUE.loadable_g}] ${MODELPARAM_VALUE.loadable_g}
+}
+
+proc update_PARAM_VALUE.clock_watch_g {PARAM_VALUE.clock_watch_g} {}
+
+proc validate_PARAM_VALUE.clock_watch_g {PARAM_VALUE.clock_watch_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.clock_watch_g {MODELPARAM_VALUE.clock_watch_g PARAM_VALUE.clock_watch_g} {
+    set_property value [get_property value ${PARAM_VALUE.clock_watch_g}] ${MODELPARAM_VALUE.clock_watch_g}
+}
+
+proc update_PARAM_VALUE.two_paths_g {PARAM_VALUE.two_paths_g} {}
+
+proc validate_PARAM_VALUE.two_paths_g {PARAM_VALUE.two_paths_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.two_paths_g {MODELPARAM_VALUE.two_paths_g PARAM_VALUE.two_paths_g} {
+    set_property value [get_property value ${PARAM_VALUE.two_paths_g}] ${MODELPARAM_VALUE.two_paths_g}
+}
+
+proc update_PARAM_VALUE.brake_feedback_g {PARAM_VALUE.brake_feedback_g} {}
+
+proc validate_PARAM_VALUE.brake_feedback_g {PARAM_VALUE.brake_feedback_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.brake_feedback_g {MODELPARAM_VALUE.brake_feedback_g PARAM_VALUE.brake_feedback_g} {
+    set_property value [get_property value ${PARAM_VALUE.brake_feedback_g}] ${MODELPARAM_VALUE.brake_feedback_g}
+}
+
+proc update_PARAM_VALUE.brake_test_g {PARAM_VALUE.brake_test_g} {}
+
+proc validate_PARAM_VALUE.brake_test_g {PARAM_VALUE.brake_test_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.brake_test_g {MODELPARAM_VALUE.brake_test_g PARAM_VALUE.brake_test_g} {
+    set_property value [get_property value ${PARAM_VALUE.brake_test_g}] ${MODELPARAM_VALUE.brake_test_g}
+}
+
+proc update_PARAM_VALUE.guard_g {PARAM_VALUE.guard_g} {}
+
+proc validate_PARAM_VALUE.guard_g {PARAM_VALUE.guard_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.guard_g {MODELPARAM_VALUE.guard_g PARAM_VALUE.guard_g} {
+    set_property value [get_property value ${PARAM_VALUE.guard_g}] ${MODELPARAM_VALUE.guard_g}
 }

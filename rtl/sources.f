@@ -42,6 +42,7 @@ safety/gc_brake_sequencer.vhd
 safety/gc_brake_permit.vhd
 safety/gc_brake_test.vhd
 safety/gc_brake_feedback.vhd
+safety/gc_brakes.vhd
 safety/gc_safety.vhd
 safety/gc_drive.vhd
 system/gc_tick.vhd

@@ -117,6 +117,14 @@ class CHost:
     def clear_faults(self, faults: int) -> None:
         self._c.gravcomp_clear_faults(ctypes.byref(self._bus), _U32(faults))
 
+    def core_runs(self) -> bool:
+        self._c.gravcomp_core_runs.restype = ctypes.c_bool
+        return self._c.gravcomp_core_runs(ctypes.byref(self._bus))
+
+    def brakes_fed(self) -> int:
+        self._c.gravcomp_brakes_fed.restype = _U8
+        return self._c.gravcomp_brakes_fed(ctypes.byref(self._bus))
+
     def clear_encoders(self) -> None:
         self._c.gravcomp_clear_encoders(ctypes.byref(self._bus))
 

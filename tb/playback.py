@@ -50,3 +50,15 @@ def assert_equal(recorded: Mapping[str, np.ndarray], expected: Mapping[str, np.n
                 f"{name} at clock {k}: got {values[k]}, expected {expected[name][k]} ({len(differ)} differ)"
             )
     cocotb.log.info("%d clocks equal: %s", len(values), ", ".join(recorded))
+
+
+async def flush(dut, n_clocks: int, **inputs: int) -> None:
+    """So many clocks in reset with these inputs, for registers that no reset clears; for play to follow."""
+    dut.rst.value = 1
+    for name, value in inputs.items():
+        getattr(dut, name).value = value
+    clock = Clock(dut.clk, 10, "ns")
+    clock.start(start_high=False)
+    for _ in range(n_clocks):
+        await FallingEdge(dut.clk)
+    clock.stop()

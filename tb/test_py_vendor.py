@@ -125,7 +125,7 @@ def test_constraints_name_the_ports_and_cover_the_crossings(top, extension):
              for words in [line.replace("{", "").replace("}", "").split()]]  # fmt: skip
     clocks = {words[2] for words in lines if words[0] == "create_clock"}
     assert clocks == {name for name in bits if name.endswith("clk")}
-    pins = {name for name in bits if name.startswith("pin_") or name == "estop_n"}
+    pins = {name for name in bits if name.startswith(("pin_", "estop_n", "brake_fed"))}
     assert {name for words in lines if words[0] == "set_false_path" for name in words[1:]} == pins
     crossings = {(a, b) for a in clocks for b in clocks if a != b}
     assert {tuple(words[1:3]) for words in lines if words[0] == "set_max_delay"} == crossings

@@ -8,7 +8,7 @@ import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
-from gravcomp.twin.guards import BrakePermit
+from gravcomp.twin.brakes import BrakePermit
 from gravcomp_lab.synthesis.verilog import source_of
 from playback import assert_equal, play
 from runner import RTL, simulate

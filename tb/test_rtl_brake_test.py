@@ -3,7 +3,7 @@
 import cocotb
 import numpy as np
 
-from gravcomp.twin.guards import BrakeTest
+from gravcomp.twin.brakes import BrakeTest
 from playback import play
 from runner import simulate
 

@@ -29,7 +29,7 @@ PLANTED = [
         ("s_axil_bvalid <= '1';", "s_axil_bvalid <= not cpuif_req;", "write_response_holds"),
     ]),
     ("safety", "gc_brake_sequencer", [
-        ("'0';\n      if next_v = state_run_c then", "'0';\n      if next_v /= state_braked_c then",
+        ("=> '0');\n      if next_v = state_run_c then", "=> '0');\n      if next_v /= state_braked_c then",
          "brakes_are_engaged_but_in_run"),
         ("next_v = state_holding_c or next_v = state_run_c", "next_v /= state_braked_c",
          "command_is_zero_braked_and_in_fault"),
@@ -53,6 +53,12 @@ PLANTED = [
     ("safety", "gc_brake_sequencer", [
         (" or (enable = '1' and in_carried = '0')", "", "brakes_open_after_the_whole_command_was_reached"),
     ]),
+    ("safety", "gc_brake_permit", [
+        ("(enable and not in_carried)", "not in_carried", "both_paths_agree"),
+    ]),
+    ("safety", "gc_safety", [
+        ("in_upset = '1' or", "in_crc_bad = '1' or", "nothing_is_upset_of_itself"),
+    ]),
     ("safety", "gc_safety", [
         ("when unsigned(in_deviates) = 0", "when unsigned(in_deviates) < 2", "lasting_deviation_engages_the_brakes"),
         ("hold_1 and not released", "hold_1 and released", "holding_ends_in_time"),
@@ -67,17 +73,18 @@ PLANTED = [
     ]),
     ("safety", "gc_fault_latch", [
         ("sts_fault and not in_clear", "sts_fault and in_clear", "causes_are_kept_until_each_is_cleared"),
-        ("first_count <= in_count;\n      end", "first_count <= in_count;\n      else\n"
-         "        first_cause <= in_fault;\n      end", "first_is_kept"),
+        ("is_first = '1' else\n                first_cause", "is_first = '1' else\n                in_fault",
+         "first_is_kept"),
     ]),
     ("safety", "gc_fault_latch", [
-        ("sts_fault <= left_v;", "sts_fault <= left_v and not in_clear;", "only_cleared_causes_are_forgotten"),
-        ("first_cause <= no_causes_c;\n      elsif", "null;\n      elsif", "first_cause_is_there_with_a_fault"),
-        ("        first_cause <= in_fault;", "        first_cause <= (others => '1');",
-         "first_cause_is_of_the_clock_that_led_to_fault"),
+        ("sts_fault <= left;", "sts_fault <= left and not in_clear;", "only_cleared_causes_are_forgotten"),
+        ("no_causes_c when left = no_causes_c else", "first_cause when left = no_causes_c else",
+         "first_cause_is_there_with_a_fault"),
+        ("in_fault when is_first", "(others => '1') when is_first", "first_cause_is_of_the_clock_that_led_to_fault"),
     ]),
     ("safety", "gc_fault_latch", [
-        ("or in_fault;", "or in_fault(causes_c - 2 downto 0) & in_fault(causes_c - 1);", "no_cause_comes_of_itself"),
+        ("or in_fault when", "or in_fault(causes_c - 2 downto 0) & in_fault(causes_c - 1) when",
+         "no_cause_comes_of_itself"),
     ]),
     ("parity_guard", "gc_parity_guard", [
         ("parity_of(in_next) when in_load = '1' else parity", "parity_of(in_next)", "parity_goes_along"),

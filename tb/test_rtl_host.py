@@ -72,7 +72,7 @@ class Robot:
 
 def session(host: Host | CHost, robot: Robot) -> list:
     """All functions of the driver; returns what they returned."""
-    answers = [host.open()]
+    answers = [host.open(), host.core_runs(), host.brakes_fed()]
     answers.append(host.configure(answers[0][1], SETTINGS))
     answers.append(host.release(3))  # not homed: refused
     answers.append(host.home(7))
@@ -239,19 +239,22 @@ def test_host_example_loads_homes_releases_and_prints_forces():
     assert len(lines) == 2
 
 
+TOO_SHORT = "hold_us: shorter than the slew from 0 to current_limit_ua, brake_us and the test of the brakes"
 UNUSABLE = [
     ({"current_limit_ua": 0}, "current_limit_ua: 0 carries no load"),
     ({"current_slew_ua": 0}, "current_slew_ua: 0 never reaches current_limit_ua"),
     ({"index_period": (4, 4, 2)}, "index_period: not a multiple of 4"),
-    ({"hold_us": 15}, "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us"),
-    ({"current_slew_ua": 46_874}, "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us"),
-    ({"brake_us": 90}, "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us"),
+    ({"hold_us": 15}, TOO_SHORT),
+    ({"current_slew_ua": 46_874}, TOO_SHORT),
+    ({"brake_us": 90}, TOO_SHORT),
+    ({"brake_test_us": 8}, TOO_SHORT),
     *(({name: 2**31}, f"{name}: above 2147483647") for name in ("current_limit_ua", "current_slew_ua",
                                                                  "command_bound_ua")),
 ]  # fmt: skip
 USABLE = [
     {},
     {"hold_us": 16},
+    {"brake_test_us": 6},
     {"current_slew_ua": 46_875},
     {"current_slew_ua": 2**31 - 1, "current_limit_ua": 2**31 - 1},
 ]

@@ -11,7 +11,7 @@ from codes import ROOT, fixed_network
 from gravcomp.files import write_atomically
 from gravcomp.twin.safety import Cause, State
 from runner import BUILD, simulate
-from test_rtl_safety import ENABLED, LIMITS, ONSET, present_it, quiet_inputs, run_and_compare
+from test_rtl_safety import ENABLED, GUARDED, LIMITS, ONSET, present_it, quiet_inputs, run_and_compare
 
 N_CLOCKS = 240
 CELLS = BUILD / "cells" / "safety.json"
@@ -80,7 +80,7 @@ async def is_seen_in_every_state(dut, cause):
 
 
 def test_every_cell_is_reached_or_proven_absent():
-    simulate("gc_safety", "test_rtl_safety_cells", generics={"sync_stages_g": 2})
+    simulate("gc_safety", "test_rtl_safety_cells", generics={"sync_stages_g": 2, **GUARDED})
     n_axes = fixed_network().n_axes
     for cause in Cause:
         seen = json.loads(CELLS.with_name(f"{cause.name.lower()}.json").read_text())

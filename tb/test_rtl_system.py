@@ -37,7 +37,8 @@ class System:
     async def start(self, axi_mhz: float, core_mhz: float = 40) -> None:
         """Start the clocks and reset; every register then holds its reset value."""
         dut = self.dut
-        Clock(dut.clk, 2 * round(5e8 / core_mhz), "fs").start()
+        self.core_clock = Clock(dut.clk, 2 * round(5e8 / core_mhz), "fs")
+        self.core_clock.start()
         self.axi_clock = Clock(dut.s_axi_aclk, 2 * round(5e8 / axi_mhz), "fs")
         self.axi_clock.start()
         dut.target.value = dut.index_count.value = 0
@@ -99,6 +100,7 @@ class System:
             "command_bound_ua": 1000,
             "command_clocks": 500,
             "hold_clocks": 100_000,
+            "brake_test_clocks": 6,
             "tick_clocks": 150,
             **changes,
         }
@@ -173,6 +175,7 @@ def hardware_values() -> dict[str, list[int]]:
         "first_cause": [0x008],
         "interrupt_status": [0x2],
         "load_status": [1],
+        "guards": [1],  # the clock of the core runs
     }
 
 

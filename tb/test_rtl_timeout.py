@@ -3,7 +3,7 @@
 import cocotb
 import numpy as np
 
-from gravcomp.twin.safety import timeout
+from gravcomp.twin.timeout import timeout
 from playback import assert_equal, play
 from runner import simulate
 

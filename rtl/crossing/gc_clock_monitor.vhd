@@ -5,15 +5,15 @@
 --
 --   core_alive  '0' from bus_limit_g + 2 clocks of bus_clk without a round trip on, until trips_c trips were in time
 --   bus_lost    '1' from core_limit_g + 1 clocks of core_clk without an arrival on, until the next one;
---               and as long as core_alive is '0'
+--               and as long as core_alive is '0' again
 --
 -- So a core whose clock stood and runs again is told so before core_alive rises: its own registers, which slept, cannot
 -- know. bus_lost is then '1' for at least 2 stages_g + 2 clocks of core_clk.
 -- Limits: a round trip takes at most stages_g + 2 clocks of bus_clk and stages_g + 1 of core_clk. Each limit must be
 -- longer than that in clocks of its own side, or a clock that runs counts as one that stands. A clock that became as
 -- much slower counts as one that stands, too.
--- Reset: core_alive = '0' and bus_lost = '1', until the trips were made, however late a clock starts. If both clocks
--- stop nothing is found.
+-- Reset: core_alive = '0' until the trips were made, however late a clock starts; bus_lost = '0' until then: nothing
+-- was lost yet. If both clocks stop nothing is found.
 -- Timing: all that crosses ends in a gc_synchronizer.
 
 library ieee;
@@ -58,6 +58,8 @@ architecture rtl of gc_clock_monitor is
   signal arrival      : std_ulogic;
   signal core_expired : std_ulogic;
   signal told_alive   : std_ulogic;
+  -- It was alive since reset.
+  signal was_alive    : std_ulogic := '0';
 
 begin
 
@@ -132,6 +134,18 @@ begin
       out_data(0)   => told_alive
     );
 
-  bus_lost <= core_expired or not told_alive;
+  p_was_alive : process (core_clk) is
+  begin
+
+    if rising_edge(core_clk) then
+      was_alive <= was_alive or told_alive;
+      if core_rst = '1' then
+        was_alive <= '0';
+      end if;
+    end if;
+
+  end process p_was_alive;
+
+  bus_lost <= core_expired or (was_alive and not told_alive);
 
 end architecture rtl;

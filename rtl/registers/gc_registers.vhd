@@ -110,6 +110,7 @@ architecture rtl of gc_registers is
         command_bound_ua : std_logic;
         command_clocks : std_logic;
         hold_clocks : std_logic;
+        brake_test_clocks : std_logic;
         index_period : std_logic_array1(0 to 2);
         result_number : std_logic;
         missed_ticks : std_logic;
@@ -134,6 +135,7 @@ architecture rtl of gc_registers is
         load_command : std_logic;
         load_crc : std_logic;
         load_word : std_logic;
+        guards : std_logic;
     end record;
     signal decoded_reg_strb : decoded_reg_strb_t;
     signal decoded_err : std_logic;
@@ -327,6 +329,15 @@ architecture rtl of gc_registers is
         value : gc_registers_hold_clocks_value_combo_t;
     end record;
 
+    type gc_registers_brake_test_clocks_value_combo_t is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_brake_test_clocks_combo_t is record
+        value : gc_registers_brake_test_clocks_value_combo_t;
+    end record;
+
     type gc_registers_index_period_value_combo_t is record
         next_q : std_logic_vector(31 downto 0);
         load_next : std_logic;
@@ -338,7 +349,7 @@ architecture rtl of gc_registers is
     type gc_registers_index_period_combo_t_array is array(natural range <>) of gc_registers_index_period_combo_t;
 
     type gc_registers_fault_clear_combo_t is record
-        next_q : std_logic_vector(11 downto 0);
+        next_q : std_logic_vector(15 downto 0);
         load_next : std_logic;
     end record;
 
@@ -361,10 +372,16 @@ architecture rtl of gc_registers is
         load_next : std_logic;
     end record;
 
+    type gc_registers_interrupt_enable_core_clock_combo_t is record
+        next_q : std_logic;
+        load_next : std_logic;
+    end record;
+
     type gc_registers_interrupt_enable_combo_t is record
         result : gc_registers_interrupt_enable_result_combo_t;
         fault : gc_registers_interrupt_enable_fault_combo_t;
         missed_tick : gc_registers_interrupt_enable_missed_tick_combo_t;
+        core_clock : gc_registers_interrupt_enable_core_clock_combo_t;
     end record;
 
     type gc_registers_interrupt_status_result_combo_t is record
@@ -382,10 +399,16 @@ architecture rtl of gc_registers is
         load_next : std_logic;
     end record;
 
+    type gc_registers_interrupt_status_core_clock_combo_t is record
+        next_q : std_logic;
+        load_next : std_logic;
+    end record;
+
     type gc_registers_interrupt_status_combo_t is record
         result : gc_registers_interrupt_status_result_combo_t;
         fault : gc_registers_interrupt_status_fault_combo_t;
         missed_tick : gc_registers_interrupt_status_missed_tick_combo_t;
+        core_clock : gc_registers_interrupt_status_core_clock_combo_t;
     end record;
 
     type gc_registers_load_unlock_key_combo_t is record
@@ -454,6 +477,7 @@ architecture rtl of gc_registers is
         command_bound_ua : gc_registers_command_bound_ua_combo_t;
         command_clocks : gc_registers_command_clocks_combo_t;
         hold_clocks : gc_registers_hold_clocks_combo_t;
+        brake_test_clocks : gc_registers_brake_test_clocks_combo_t;
         index_period : gc_registers_index_period_combo_t_array(0 to 2);
         fault : gc_registers_fault_combo_t;
         interrupt_enable : gc_registers_interrupt_enable_combo_t;
@@ -625,6 +649,14 @@ architecture rtl of gc_registers is
         value : gc_registers_hold_clocks_value_storage_t;
     end record;
 
+    type gc_registers_brake_test_clocks_value_storage_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_brake_test_clocks_storage_t is record
+        value : gc_registers_brake_test_clocks_value_storage_t;
+    end record;
+
     type gc_registers_index_period_value_storage_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -635,7 +667,7 @@ architecture rtl of gc_registers is
     type gc_registers_index_period_storage_t_array is array(natural range <>) of gc_registers_index_period_storage_t;
 
     type gc_registers_fault_clear_storage_t is record
-        value : std_logic_vector(11 downto 0);
+        value : std_logic_vector(15 downto 0);
     end record;
 
     type gc_registers_fault_storage_t is record
@@ -654,10 +686,15 @@ architecture rtl of gc_registers is
         value : std_logic;
     end record;
 
+    type gc_registers_interrupt_enable_core_clock_storage_t is record
+        value : std_logic;
+    end record;
+
     type gc_registers_interrupt_enable_storage_t is record
         result : gc_registers_interrupt_enable_result_storage_t;
         fault : gc_registers_interrupt_enable_fault_storage_t;
         missed_tick : gc_registers_interrupt_enable_missed_tick_storage_t;
+        core_clock : gc_registers_interrupt_enable_core_clock_storage_t;
     end record;
 
     type gc_registers_interrupt_status_result_storage_t is record
@@ -672,10 +709,15 @@ architecture rtl of gc_registers is
         value : std_logic;
     end record;
 
+    type gc_registers_interrupt_status_core_clock_storage_t is record
+        value : std_logic;
+    end record;
+
     type gc_registers_interrupt_status_storage_t is record
         result : gc_registers_interrupt_status_result_storage_t;
         fault : gc_registers_interrupt_status_fault_storage_t;
         missed_tick : gc_registers_interrupt_status_missed_tick_storage_t;
+        core_clock : gc_registers_interrupt_status_core_clock_storage_t;
     end record;
 
     type gc_registers_load_unlock_key_storage_t is record
@@ -738,6 +780,7 @@ architecture rtl of gc_registers is
         command_bound_ua : gc_registers_command_bound_ua_storage_t;
         command_clocks : gc_registers_command_clocks_storage_t;
         hold_clocks : gc_registers_hold_clocks_storage_t;
+        brake_test_clocks : gc_registers_brake_test_clocks_storage_t;
         index_period : gc_registers_index_period_storage_t_array(0 to 2);
         fault : gc_registers_fault_storage_t;
         interrupt_enable : gc_registers_interrupt_enable_storage_t;
@@ -1137,6 +1180,9 @@ begin
         decoded_reg_strb.hold_clocks <= cpuif_req_masked and (cpuif_addr = 16#E8#);
         is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#E8#));
         is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#E8#));
+        decoded_reg_strb.brake_test_clocks <= cpuif_req_masked and (cpuif_addr = 16#EC#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#EC#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#EC#));
         for i0 in 0 to 2 loop
             decoded_reg_strb.index_period(i0) <= cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#);
             is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#));
@@ -1225,6 +1271,9 @@ begin
         decoded_reg_strb.load_word <= cpuif_req_masked and (cpuif_addr = 16#1C8#) and cpuif_req_is_wr;
         is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1C8#));
         is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1C8#) and cpuif_req_is_wr);
+        decoded_reg_strb.guards <= cpuif_req_masked and (cpuif_addr = 16#1D0#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1D0#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1D0#) and not cpuif_req_is_wr);
         decoded_err <= (not is_valid_addr or (is_valid_addr and not is_valid_rw)) and decoded_req;
     end process;
 
@@ -1864,6 +1913,35 @@ begin
         end if;
     end process;
     hwif_out.hold_clocks.value.value <= field_storage.hold_clocks.value.value;
+
+    -- Field: gc_registers.brake_test_clocks.value
+    process(all)
+        variable next_c: std_logic_vector(31 downto 0);
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.brake_test_clocks.value.value;
+        load_next_c := '0';
+        if decoded_reg_strb.brake_test_clocks and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.brake_test_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            load_next_c := '1';
+        end if;
+        field_combo.brake_test_clocks.value.next_q <= next_c;
+        field_combo.brake_test_clocks.value.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.brake_test_clocks.value.value <= 32x"0";
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.brake_test_clocks.value.value <= 32x"0";
+            else
+                if field_combo.brake_test_clocks.value.load_next then
+                    field_storage.brake_test_clocks.value.value <= field_combo.brake_test_clocks.value.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.brake_test_clocks.value.value <= field_storage.brake_test_clocks.value.value;
     gen_field_logic_index_period_dim0: for i0 in 0 to 2 generate
 
         -- Field: gc_registers.index_period[].value
@@ -1898,13 +1976,13 @@ begin
 
     -- Field: gc_registers.fault.clear
     process(all)
-        variable next_c: std_logic_vector(11 downto 0);
+        variable next_c: std_logic_vector(15 downto 0);
         variable load_next_c: std_logic;
     begin
         next_c := field_storage.fault.clear.value;
         load_next_c := '0';
         if decoded_reg_strb.fault and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.fault.clear.value and not decoded_wr_biten(11 downto 0)) or (decoded_wr_data(11 downto 0) and decoded_wr_biten(11 downto 0));
+            next_c := (field_storage.fault.clear.value and not decoded_wr_biten(15 downto 0)) or (decoded_wr_data(15 downto 0) and decoded_wr_biten(15 downto 0));
             load_next_c := '1';
         elsif hwif_in.fault.clear.hwclr then -- HW Clear
             next_c := (others => '0');
@@ -1915,10 +1993,10 @@ begin
     end process;
     process(clk) begin
         if false then -- async reset
-            field_storage.fault.clear.value <= 12x"0";
+            field_storage.fault.clear.value <= 16x"0";
         elsif rising_edge(clk) then
             if rst then -- sync reset
-                field_storage.fault.clear.value <= 12x"0";
+                field_storage.fault.clear.value <= 16x"0";
             else
                 if field_combo.fault.clear.load_next then
                     field_storage.fault.clear.value <= field_combo.fault.clear.next_q;
@@ -2007,6 +2085,34 @@ begin
             else
                 if field_combo.interrupt_enable.missed_tick.load_next then
                     field_storage.interrupt_enable.missed_tick.value <= field_combo.interrupt_enable.missed_tick.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+
+    -- Field: gc_registers.interrupt_enable.core_clock
+    process(all)
+        variable next_c: std_logic;
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.interrupt_enable.core_clock.value;
+        load_next_c := '0';
+        if decoded_reg_strb.interrupt_enable and decoded_req_is_wr then -- SW write
+            next_c := (field_storage.interrupt_enable.core_clock.value and not decoded_wr_biten(3)) or (decoded_wr_data(3) and decoded_wr_biten(3));
+            load_next_c := '1';
+        end if;
+        field_combo.interrupt_enable.core_clock.next_q <= next_c;
+        field_combo.interrupt_enable.core_clock.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.interrupt_enable.core_clock.value <= '0';
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.interrupt_enable.core_clock.value <= '0';
+            else
+                if field_combo.interrupt_enable.core_clock.load_next then
+                    field_storage.interrupt_enable.core_clock.value <= field_combo.interrupt_enable.core_clock.next_q;
                 end if;
             end if;
         end if;
@@ -2104,10 +2210,42 @@ begin
             end if;
         end if;
     end process;
+
+    -- Field: gc_registers.interrupt_status.core_clock
+    process(all)
+        variable next_c: std_logic;
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.interrupt_status.core_clock.value;
+        load_next_c := '0';
+        if hwif_in.interrupt_status.core_clock.next_q then -- stickybit
+            next_c := '1';
+            load_next_c := '1';
+        elsif decoded_reg_strb.interrupt_status and decoded_req_is_wr then -- SW write 1 clear
+            next_c := field_storage.interrupt_status.core_clock.value and not (decoded_wr_data(3) and decoded_wr_biten(3));
+            load_next_c := '1';
+        end if;
+        field_combo.interrupt_status.core_clock.next_q <= next_c;
+        field_combo.interrupt_status.core_clock.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.interrupt_status.core_clock.value <= '0';
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.interrupt_status.core_clock.value <= '0';
+            else
+                if field_combo.interrupt_status.core_clock.load_next then
+                    field_storage.interrupt_status.core_clock.value <= field_combo.interrupt_status.core_clock.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
     hwif_out.interrupt_status.intr <=
         (field_storage.interrupt_status.result.value and field_storage.interrupt_enable.result.value)
         or (field_storage.interrupt_status.fault.value and field_storage.interrupt_enable.fault.value)
-        or (field_storage.interrupt_status.missed_tick.value and field_storage.interrupt_enable.missed_tick.value);
+        or (field_storage.interrupt_status.missed_tick.value and field_storage.interrupt_enable.missed_tick.value)
+        or (field_storage.interrupt_status.core_clock.value and field_storage.interrupt_enable.core_clock.value);
 
     -- Field: gc_registers.load_unlock.key
     process(all)
@@ -2393,15 +2531,15 @@ begin
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.cause.data(11 downto 0) <= hwif_in.cause.value.next_q;
-                rbuf_storage.cause.data(31 downto 12) <= (others => '0');
+                rbuf_storage.cause.data(15 downto 0) <= hwif_in.cause.value.next_q;
+                rbuf_storage.cause.data(31 downto 16) <= (others => '0');
             end if;
         end if;
     end process;
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.fault.data(11 downto 0) <= field_storage.fault.clear.value;
+                rbuf_storage.fault.data(15 downto 0) <= field_storage.fault.clear.value;
                 rbuf_storage.fault.data(0 downto 0) <= to_std_logic_vector(hwif_in.fault.estop.next_q);
                 rbuf_storage.fault.data(1 downto 1) <= to_std_logic_vector(hwif_in.fault.encoder.next_q);
                 rbuf_storage.fault.data(2 downto 2) <= to_std_logic_vector(hwif_in.fault.crc.next_q);
@@ -2414,15 +2552,19 @@ begin
                 rbuf_storage.fault.data(9 downto 9) <= to_std_logic_vector(hwif_in.fault.unreferenced.next_q);
                 rbuf_storage.fault.data(10 downto 10) <= to_std_logic_vector(hwif_in.fault.command.next_q);
                 rbuf_storage.fault.data(11 downto 11) <= to_std_logic_vector(hwif_in.fault.hold.next_q);
-                rbuf_storage.fault.data(31 downto 12) <= (others => '0');
+                rbuf_storage.fault.data(12 downto 12) <= to_std_logic_vector(hwif_in.fault.brake.next_q);
+                rbuf_storage.fault.data(13 downto 13) <= to_std_logic_vector(hwif_in.fault.clock.next_q);
+                rbuf_storage.fault.data(14 downto 14) <= to_std_logic_vector(hwif_in.fault.core.next_q);
+                rbuf_storage.fault.data(15 downto 15) <= to_std_logic_vector(hwif_in.fault.upset.next_q);
+                rbuf_storage.fault.data(31 downto 16) <= (others => '0');
             end if;
         end if;
     end process;
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.first_cause.data(11 downto 0) <= hwif_in.first_cause.value.next_q;
-                rbuf_storage.first_cause.data(31 downto 12) <= (others => '0');
+                rbuf_storage.first_cause.data(15 downto 0) <= hwif_in.first_cause.value.next_q;
+                rbuf_storage.first_cause.data(31 downto 16) <= (others => '0');
             end if;
         end if;
     end process;
@@ -2547,6 +2689,9 @@ begin
         if rd_mux_addr = 16#E8# then
             readback_data_var(31 downto 0) := field_storage.hold_clocks.value.value;
         end if;
+        if rd_mux_addr = 16#EC# then
+            readback_data_var(31 downto 0) := field_storage.brake_test_clocks.value.value;
+        end if;
         for i0 in 0 to 2 loop
             if rd_mux_addr = 16#F0# + i0 * 16#4# then
                 readback_data_var(31 downto 0) := field_storage.index_period(i0).value.value;
@@ -2617,11 +2762,13 @@ begin
             readback_data_var(0) := field_storage.interrupt_enable.result.value;
             readback_data_var(1) := field_storage.interrupt_enable.fault.value;
             readback_data_var(2) := field_storage.interrupt_enable.missed_tick.value;
+            readback_data_var(3) := field_storage.interrupt_enable.core_clock.value;
         end if;
         if rd_mux_addr = 16#1A4# then
             readback_data_var(0) := field_storage.interrupt_status.result.value;
             readback_data_var(1) := field_storage.interrupt_status.fault.value;
             readback_data_var(2) := field_storage.interrupt_status.missed_tick.value;
+            readback_data_var(3) := field_storage.interrupt_status.core_clock.value;
         end if;
         if rd_mux_addr = 16#1B4# then
             readback_data_var(0) := hwif_in.load_status.loadable.next_q;
@@ -2632,6 +2779,10 @@ begin
         end if;
         if rd_mux_addr = 16#1B8# then
             readback_data_var(31 downto 0) := hwif_in.bank_crc.value.next_q;
+        end if;
+        if rd_mux_addr = 16#1D0# then
+            readback_data_var(0) := hwif_in.guards.core_clock.next_q;
+            readback_data_var(6 downto 4) := hwif_in.guards.feedback.next_q;
         end if;
         readback_data <= readback_data_var;
         readback_done <= decoded_req and not decoded_req_is_wr;

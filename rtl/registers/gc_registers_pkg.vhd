@@ -8,7 +8,7 @@ package gc_registers_pkg is
 
     constant GC_REGISTERS_DATA_WIDTH : positive := 32;
     constant GC_REGISTERS_MIN_ADDR_WIDTH : positive := 12;
-    constant GC_REGISTERS_SIZE : positive := 460;
+    constant GC_REGISTERS_SIZE : positive := 468;
 
     type gc_registers_geometry_inputs_in_t is record
         next_q : std_logic_vector(7 downto 0);
@@ -232,7 +232,7 @@ package gc_registers_pkg is
     type gc_registers_position_nowx_in_t_array is array(natural range <>) of gc_registers_position_nowx_in_t;
 
     type gc_registers_cause_value_in_t is record
-        next_q : std_logic_vector(11 downto 0);
+        next_q : std_logic_vector(15 downto 0);
     end record;
 
     type gc_registers_cause_in_t is record
@@ -291,6 +291,22 @@ package gc_registers_pkg is
         next_q : std_logic;
     end record;
 
+    type gc_registers_fault_brake_in_t is record
+        next_q : std_logic;
+    end record;
+
+    type gc_registers_fault_clock_in_t is record
+        next_q : std_logic;
+    end record;
+
+    type gc_registers_fault_core_in_t is record
+        next_q : std_logic;
+    end record;
+
+    type gc_registers_fault_upset_in_t is record
+        next_q : std_logic;
+    end record;
+
     type gc_registers_fault_in_t is record
         clear : gc_registers_fault_clear_in_t;
         estop : gc_registers_fault_estop_in_t;
@@ -305,10 +321,14 @@ package gc_registers_pkg is
         unreferenced : gc_registers_fault_unreferenced_in_t;
         command : gc_registers_fault_command_in_t;
         hold : gc_registers_fault_hold_in_t;
+        brake : gc_registers_fault_brake_in_t;
+        clock : gc_registers_fault_clock_in_t;
+        core : gc_registers_fault_core_in_t;
+        upset : gc_registers_fault_upset_in_t;
     end record;
 
     type gc_registers_first_cause_value_in_t is record
-        next_q : std_logic_vector(11 downto 0);
+        next_q : std_logic_vector(15 downto 0);
     end record;
 
     type gc_registers_first_cause_in_t is record
@@ -354,10 +374,15 @@ package gc_registers_pkg is
         next_q : std_logic;
     end record;
 
+    type gc_registers_interrupt_status_core_clock_in_t is record
+        next_q : std_logic;
+    end record;
+
     type gc_registers_interrupt_status_in_t is record
         result : gc_registers_interrupt_status_result_in_t;
         fault : gc_registers_interrupt_status_fault_in_t;
         missed_tick : gc_registers_interrupt_status_missed_tick_in_t;
+        core_clock : gc_registers_interrupt_status_core_clock_in_t;
     end record;
 
     type gc_registers_load_unlock_key_in_t is record
@@ -404,6 +429,19 @@ package gc_registers_pkg is
         value : gc_registers_bank_crc_value_in_t;
     end record;
 
+    type gc_registers_guards_core_clock_in_t is record
+        next_q : std_logic;
+    end record;
+
+    type gc_registers_guards_feedback_in_t is record
+        next_q : std_logic_vector(2 downto 0);
+    end record;
+
+    type gc_registers_guards_in_t is record
+        core_clock : gc_registers_guards_core_clock_in_t;
+        feedback : gc_registers_guards_feedback_in_t;
+    end record;
+
     type gc_registers_in_t is record
         geometry : gc_registers_geometry_in_t;
         clock_hz : gc_registers_clock_hz_in_t;
@@ -431,6 +469,7 @@ package gc_registers_pkg is
         load_unlock : gc_registers_load_unlock_in_t;
         load_status : gc_registers_load_status_in_t;
         bank_crc : gc_registers_bank_crc_in_t;
+        guards : gc_registers_guards_in_t;
     end record;
 
     type gc_registers_control_enable_out_t is record
@@ -592,6 +631,14 @@ package gc_registers_pkg is
         value : gc_registers_hold_clocks_value_out_t;
     end record;
 
+    type gc_registers_brake_test_clocks_value_out_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_brake_test_clocks_out_t is record
+        value : gc_registers_brake_test_clocks_value_out_t;
+    end record;
+
     type gc_registers_index_periodx_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -602,7 +649,7 @@ package gc_registers_pkg is
     type gc_registers_index_periodx_out_t_array is array(natural range <>) of gc_registers_index_periodx_out_t;
 
     type gc_registers_fault_clear_out_t is record
-        value : std_logic_vector(11 downto 0);
+        value : std_logic_vector(15 downto 0);
     end record;
 
     type gc_registers_fault_out_t is record
@@ -674,6 +721,7 @@ package gc_registers_pkg is
         command_bound_ua : gc_registers_command_bound_ua_out_t;
         command_clocks : gc_registers_command_clocks_out_t;
         hold_clocks : gc_registers_hold_clocks_out_t;
+        brake_test_clocks : gc_registers_brake_test_clocks_out_t;
         index_period : gc_registers_index_periodx_out_t_array(0 to 2);
         fault : gc_registers_fault_out_t;
         interrupt_status : gc_registers_interrupt_status_out_t;

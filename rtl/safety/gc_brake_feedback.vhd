@@ -21,18 +21,18 @@ entity gc_brake_feedback is
     sync_stages_g : positive := 2
   );
   port (
-    clk            : in    std_ulogic;
+    clk          : in    std_ulogic;
     -- Synchronous, active high.
-    rst            : in    std_ulogic;
+    rst          : in    std_ulogic;
     -- Read-back per axis, asynchronous; '1': the brake is fed, it is released.
-    brake_feedback : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_fed    : in    std_ulogic_vector(inputs_c - 1 downto 0);
     -- The brake of the axis is told to open.
-    in_released    : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    in_released  : in    std_ulogic_vector(inputs_c - 1 downto 0);
     -- Longest difference that is no fault, clocks.
-    cfg_clocks     : in    unsigned(31 downto 0);
+    cfg_clocks   : in    unsigned(31 downto 0);
     -- The pins, synchronous.
-    out_feedback   : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    out_differs    : out   std_ulogic
+    out_feedback : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    out_differs  : out   std_ulogic
   );
 end entity gc_brake_feedback;
 
@@ -54,7 +54,7 @@ begin
     port map (
       clk        => clk,
       rst        => rst,
-      async_data => brake_feedback,
+      async_data => brake_fed,
       out_valid  => known,
       out_data   => level
     );

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 --
--- The second path to the brakes: the rules of gc_brake_sequencer once more, written as three flags and kept in registers
--- of their own, so that no single wrong bit opens a brake that needs both paths.
+-- The second path to the brakes: the rules of gc_brake_sequencer once more, written as three flags and kept in
+-- registers of their own, so that no single wrong bit opens a brake that needs both paths.
 --
 --   faulty   from a fault until all are cleared
 --   idle     no motion: until a rising enable while healthy; again from a fault, or when the brakes have closed
@@ -9,7 +9,7 @@
 --
 -- A brake is let go while all three are '0', or while its test asks for it and the command is active. Flags that
 -- contradict each other lead to faulty. Inputs have the meaning of those of gc_brake_sequencer, which is in the same
--- clock where it agrees: state FAULT = faulty, run = not idle, RUN = not shut. gc_safety compares them.
+-- clock where it agrees: state FAULT = faulty, run = not idle, RUN = not shut. gc_brakes compares them.
 -- Latency: 1 clock. Reset: idle and shut, not faulty.
 
 library ieee;
@@ -20,6 +20,10 @@ library work;
   use work.gc_network_pkg.all;
 
 entity gc_brake_permit is
+  generic (
+    -- Whether the time-out is watched for wrong bits.
+    guard_g : boolean := false
+  );
   port (
     clk              : in    std_ulogic;
     -- Synchronous, active high.
@@ -38,7 +42,8 @@ entity gc_brake_permit is
     idle             : out   std_ulogic := '1';
     shut             : out   std_ulogic := '1';
     -- '0' lets the brake of the axis go.
-    brake_engage     : out   std_ulogic_vector(inputs_c - 1 downto 0) := (others => '1')
+    brake_engage     : out   std_ulogic_vector(inputs_c - 1 downto 0) := (others => '1');
+    upset            : out   std_ulogic
   );
 end entity gc_brake_permit;
 
@@ -57,13 +62,16 @@ begin
   unsettled <= idle or faulty or not shut or enable_moved or (enable and not in_carried);
 
   i_wait : entity work.gc_timeout
+    generic map (
+      guard_g => guard_g
+    )
     port map (
       clk        => clk,
       rst        => rst,
       restart    => unsettled,
       cfg_clocks => cfg_brake_clocks,
       expired    => waited,
-      upset      => open
+      upset      => upset
     );
 
   may_change <= waited and not unsettled;

@@ -8,8 +8,8 @@
 --   FAULT     brakes engaged, command zero       until clear without a fault
 --
 -- The motors take the load before the brakes let it go: HOLDING leads to RUN once they have carried it, with enable
--- high, for more than cfg_brake_clocks. A low enable leads back: brakes engage at once, and the command goes to
--- zero when they have had as many clocks to close.
+-- high, for more than cfg_brake_clocks, and the brakes are tested (gc_brake_test). A low enable leads back: brakes
+-- engage at once, and the command goes to zero when they have had as many clocks to close.
 -- A level of enable that was high at reset, or that rose while unhealthy, braked or not, starts nothing: only its next
 -- rising edge does. Motion never resumes by itself.
 -- A code that is none of the four leads to FAULT.
@@ -20,9 +20,14 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
+  use work.gc_network_pkg.all;
   use work.gc_safety_pkg.all;
 
 entity gc_brake_sequencer is
+  generic (
+    -- Whether the time-out is watched for wrong bits.
+    guard_g : boolean := false
+  );
   port (
     clk              : in    std_ulogic;
     -- Synchronous, active high: BRAKED.
@@ -37,13 +42,20 @@ entity gc_brake_sequencer is
     in_healthy       : in    std_ulogic;
     -- The motor of every axis carries the load.
     in_carried       : in    std_ulogic;
+    -- The brakes are tested.
+    in_tested        : in    std_ulogic;
+    -- The test lets go the brake of the axis.
+    in_test          : in    std_ulogic_vector(inputs_c - 1 downto 0);
     -- Time for a brake to close and for the motors to take the load, clocks.
     cfg_brake_clocks : in    unsigned(31 downto 0);
     state            : out   safety_state_t := state_braked_c;
     -- '0': command to zero.
     run              : out   std_ulogic := '0';
-    -- '1' releases the brakes.
-    brake_release    : out   std_ulogic := '0'
+    -- HOLDING, and the motors have carried the load: the test may begin.
+    may_test         : out   std_ulogic;
+    -- '1' releases the brake of the axis.
+    brake_release    : out   std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
+    upset            : out   std_ulogic
   );
 end entity gc_brake_sequencer;
 
@@ -59,14 +71,19 @@ begin
   restart <= '1' when state /= state_holding_c or enable /= enable_1 or (enable = '1' and in_carried = '0') else '0';
 
   i_hold : entity work.gc_timeout
+    generic map (
+      guard_g => guard_g
+    )
     port map (
       clk        => clk,
       rst        => rst,
       restart    => restart,
       cfg_clocks => cfg_brake_clocks,
       expired    => expired,
-      upset      => open
+      upset      => upset
     );
+
+  may_test <= expired and not restart and enable;
 
   p_state : process (clk) is
 
@@ -84,8 +101,9 @@ begin
         end if;
       elsif state = state_holding_c then
         if expired = '1' and restart = '0' then
-          next_v := state_braked_c;
-          if enable = '1' then
+          if enable = '0' then
+            next_v := state_braked_c;
+          elsif in_tested = '1' then
             next_v := state_run_c;
           end if;
         end if;
@@ -113,9 +131,11 @@ begin
       if next_v = state_holding_c or next_v = state_run_c then
         run <= '1';
       end if;
-      brake_release <= '0';
+      brake_release <= (others => '0');
       if next_v = state_run_c then
-        brake_release <= '1';
+        brake_release <= (others => '1');
+      elsif next_v = state_holding_c then
+        brake_release <= in_test;
       end if;
     end if;
 

@@ -7,8 +7,8 @@
 -- healthy, emergency stop released. States: see gc_brake_sequencer; causes and reactions: docs/guide/safety.md.
 -- The brakes are released only after the motors have carried the load, and engaged when a command deviates from what
 -- carries it; no limit of magnitude or slew hides that. HOLDING has a time-out.
--- estop, encoder, crc and rom are faults in every state. The others are while the command is active, and in FAULT;
--- while braked they are normal (before homing, without a host) and keep the brakes engaged.
+-- estop, encoder, crc, rom, brake, core and upset are faults in every state. The others are while the command is
+-- active, and in FAULT; while braked they are normal (before homing, without a host) and keep the brakes engaged.
 -- A cause that came stays a fault until it is cleared; clear while it lasts does not help. FAULT is left, to BRAKED,
 -- when the last one is cleared.
 -- Latency: from a cause at the inputs to brake_release = run = '0': 2 clocks; from pin estop_n: sync_stages_g + 1; from
@@ -26,10 +26,16 @@ library work;
 
 entity gc_safety is
   generic (
-    -- Flip-flops of estop_n against metastability, at least 2.
+    -- Flip-flops of estop_n and brake_fed against metastability, at least 2.
     sync_stages_g     : positive := 2;
     -- Clocks per 4 counts at the limit speed of the encoder interface: what is faster cannot be told from that.
-    period_shortest_g : positive := 8
+    period_shortest_g : positive := 8;
+    -- What watches the brakes (gc_brakes).
+    two_paths_g       : boolean := false;
+    brake_feedback_g  : boolean := false;
+    brake_test_g      : boolean := false;
+    -- Whether time-outs and remembered faults are watched for wrong bits.
+    guard_g           : boolean := false
   );
   port (
     clk                   : in    std_ulogic;
@@ -58,6 +64,12 @@ entity gc_safety is
     -- Levels: an image was refused, the ROM in use is not the one expected.
     in_crc_bad            : in    std_ulogic;
     in_rom_bad            : in    std_ulogic;
+    -- Levels: the host's clock stands or the core's stood, the core contradicts itself, a setting has a wrong bit.
+    in_clock_bad          : in    std_ulogic;
+    in_core_bad           : in    std_ulogic;
+    in_upset              : in    std_ulogic;
+    -- Read-back per axis, asynchronous; '1': the brake is fed, it is released. Only with brake_feedback_g.
+    brake_fed             : in    std_ulogic_vector(inputs_c - 1 downto 0);
     -- Lowest and highest count that is no fault, axis 1 lowest.
     cfg_count_low         : in    signed(inputs_c * count_bits_c - 1 downto 0);
     cfg_count_high        : in    signed(inputs_c * count_bits_c - 1 downto 0);
@@ -72,10 +84,16 @@ entity gc_safety is
     cfg_hold_clocks       : in    unsigned(31 downto 0);
     -- Time for a brake to close and for the motors to take the load, clocks.
     cfg_brake_clocks      : in    unsigned(31 downto 0);
+    -- Time of a phase of the test of the brakes, clocks. Only with brake_test_g.
+    cfg_test_clocks       : in    unsigned(31 downto 0);
     -- '0': command to zero.
     run                   : out   std_ulogic;
     -- '1' releases the brake of the axis.
     brake_release         : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- '1' engages the brake of the axis.
+    brake_engage          : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- The read-back pins, synchronous.
+    sts_feedback          : out   std_ulogic_vector(inputs_c - 1 downto 0);
     sts_state             : out   safety_state_t;
     -- Causes of this moment, whether faults or not.
     sts_present           : out   causes_t;
@@ -115,6 +133,8 @@ architecture rtl of gc_safety is
   signal cleared       : std_ulogic;
   signal carried       : std_ulogic;
   signal released      : std_ulogic;
+  signal brake_wrong   : std_ulogic;
+  signal upsets        : std_ulogic_vector(6 downto 0);
 
 begin
 
@@ -135,57 +155,73 @@ begin
   not_saturated <= not saturated;
 
   i_saturation : entity work.gc_timeout
+    generic map (
+      guard_g => guard_g
+    )
     port map (
       clk        => clk,
       rst        => rst,
       restart    => not_saturated,
       cfg_clocks => cfg_saturation_clocks,
       expired    => saturation_1,
-      upset      => open
+      upset      => upsets(0)
     );
 
   i_watchdog : entity work.gc_timeout
+    generic map (
+      guard_g => guard_g
+    )
     port map (
       clk        => clk,
       rst        => rst,
       restart    => kick,
       cfg_clocks => cfg_watchdog_clocks,
       expired    => watchdog_1,
-      upset      => open
+      upset      => upsets(1)
     );
 
   i_result : entity work.gc_timeout
+    generic map (
+      guard_g => guard_g
+    )
     port map (
       clk        => clk,
       rst        => rst,
       restart    => in_result,
       cfg_clocks => cfg_result_clocks,
       expired    => result_1,
-      upset      => open
+      upset      => upsets(2)
     );
 
+  released <= '1' when sts_state = state_run_c else '0';
   not_deviating <= '1' when unsigned(in_deviates) = 0 or released = '0' else '0';
 
   i_command : entity work.gc_timeout
+    generic map (
+      guard_g => guard_g
+    )
     port map (
       clk        => clk,
       rst        => rst,
       restart    => not_deviating,
       cfg_clocks => cfg_command_clocks,
       expired    => command_1,
-      upset      => open
+      upset      => upsets(3)
     );
 
   not_holding <= '0' when sts_state = state_holding_c and enable = '1' else '1';
 
   i_hold : entity work.gc_timeout
+    generic map (
+      guard_g => guard_g
+    )
     port map (
       clk        => clk,
       rst        => rst,
       restart    => not_holding,
       cfg_clocks => cfg_hold_clocks,
       expired    => hold_1,
-      upset      => open
+      upset      => upsets(4)
     );
 
   -- stage 1: the other causes, and the positions that belong to them
@@ -213,6 +249,11 @@ begin
       flags_1 <= no_causes_c;
       flags_1(cause_crc_c) <= in_crc_bad;
       flags_1(cause_rom_c) <= in_rom_bad;
+      flags_1(cause_clock_c) <= in_clock_bad;
+      flags_1(cause_core_c) <= in_core_bad;
+      if in_upset = '1' or unsigned(upsets) /= 0 then
+        flags_1(cause_upset_c) <= '1';
+      end if;
 
       for i in 0 to inputs_c - 1 loop
 
@@ -254,6 +295,7 @@ begin
     present(cause_command_c) <= command_1;
     -- Not if the brakes were released at the last moment: they would be engaged again.
     present(cause_hold_c) <= hold_1 and not released;
+    present(cause_brake_c) <= brake_wrong;
 
   end process p_present;
 
@@ -264,6 +306,9 @@ begin
   cleared <= '1' when clear /= no_causes_c and (sts_fault and not clear) = no_causes_c else '0';
 
   i_latch : entity work.gc_fault_latch
+    generic map (
+      guard_g => guard_g
+    )
     port map (
       clk         => clk,
       rst         => rst,
@@ -273,12 +318,20 @@ begin
       sts_fault   => sts_fault,
       first_cause => sts_first_cause,
       first_count => sts_first_count,
-      events      => sts_events
+      events      => sts_events,
+      upset       => upsets(5)
     );
 
   carried <= '1' when signed(in_reached) = -1 else '0';
 
-  i_sequencer : entity work.gc_brake_sequencer
+  i_brakes : entity work.gc_brakes
+    generic map (
+      two_paths_g   => two_paths_g,
+      feedback_g    => brake_feedback_g,
+      test_g        => brake_test_g,
+      guard_g       => guard_g,
+      sync_stages_g => sync_stages_g
+    )
     port map (
       clk              => clk,
       rst              => rst,
@@ -287,13 +340,18 @@ begin
       in_fault         => any_fault,
       in_healthy       => healthy,
       in_carried       => carried,
+      brake_fed        => brake_fed,
       cfg_brake_clocks => cfg_brake_clocks,
+      cfg_test_clocks  => cfg_test_clocks,
       state            => sts_state,
       run              => run,
-      brake_release    => released
+      brake_release    => brake_release,
+      brake_engage     => brake_engage,
+      sts_feedback     => sts_feedback,
+      wrong            => brake_wrong,
+      upset            => upsets(6)
     );
 
-  brake_release <= (others => released);
   sts_present <= present;
 
 end architecture rtl;

@@ -31,7 +31,9 @@ entity gc_bus_side is
     lanes_g          : positive := 4;
     clock_hz_g       : positive := 40_000_000;
     filter_samples_g : natural := 4;
-    loadable_g       : boolean := true
+    loadable_g       : boolean := true;
+    -- Whether settings are watched for wrong bits.
+    guard_g          : boolean := false
   );
   port (
     clk           : in    std_ulogic;
@@ -61,6 +63,8 @@ entity gc_bus_side is
     -- The settings of this clock, and the commands and the load that wait; taken in a clock with out_ready.
     out_settings  : out   settings_t;
     out_ready     : in    std_ulogic;
+    -- The core's clock runs.
+    in_alive      : in    std_ulogic;
     -- New state.
     in_valid      : in    std_ulogic;
     in_state      : in    state_t
@@ -75,6 +79,10 @@ architecture rtl of gc_bus_side is
   constant load_block_c  : std_ulogic_vector(11 downto 4) := x"1C";
   constant no_register_c : std_ulogic_vector(11 downto 0) := x"FFC";
 
+  -- Upper part of the addresses of the settings, and the one among them that keeps nothing.
+  constant settings_block_c   : std_ulogic_vector(11 downto 7) := "00001";
+  constant command_register_c : std_ulogic_vector(11 downto 0) := x"084";
+
   signal regs_in  : gc_registers_in_t;
   signal regs_out : gc_registers_out_t;
 
@@ -87,6 +95,10 @@ architecture rtl of gc_bus_side is
   signal bvalid        : std_ulogic;
   signal loaded        : std_ulogic := '0';
 
+  signal settings      : settings_t;
+  signal settings_held : held_t;
+  signal parity        : parity_t;
+
   signal command       : commands_t;
   signal waiting       : commands_t := no_commands_c;
   signal loads         : load_t;
@@ -98,6 +110,8 @@ architecture rtl of gc_bus_side is
   signal new_result : std_ulogic := '0';
   signal new_fault  : std_ulogic := '0';
   signal new_missed : std_ulogic := '0';
+  signal alive_1    : std_ulogic := '0';
+  signal stopped    : std_ulogic := '0';
 
 begin
 
@@ -225,23 +239,80 @@ begin
 
   end process p_commands;
 
-  out_settings.commands <= waiting;
-  out_settings.load <= loads_waiting;
-  out_settings.enable <= regs_out.control.enable.value;
-  out_settings.tick_enable <= regs_out.control.tick_enable.value;
-  out_settings.home <= regs_out.control.home_enable.value;
-  out_settings.tick_clocks <= regs_out.tick_clocks.value.value;
-  out_settings.weights <= regs_out.expected_weights.value.value;
-  out_settings.current_limit <= regs_out.current_limit_ua.value.value;
-  out_settings.current_slew <= regs_out.current_slew_ua.value.value;
-  out_settings.period_min <= regs_out.period_min_clocks.value.value;
-  out_settings.saturation_clocks <= regs_out.saturation_clocks.value.value;
-  out_settings.watchdog_clocks <= regs_out.watchdog_clocks.value.value;
-  out_settings.result_clocks <= regs_out.result_clocks.value.value;
-  out_settings.brake_clocks <= regs_out.brake_clocks.value.value;
-  out_settings.command_bound <= regs_out.command_bound_ua.value.value;
-  out_settings.command_clocks <= regs_out.command_clocks.value.value;
-  out_settings.hold_clocks <= regs_out.hold_clocks.value.value;
+  settings.commands <= no_commands_c;
+  settings.load <= no_load_c;
+  settings.parity <= (others => '0');
+  settings.enable <= regs_out.control.enable.value;
+  settings.tick_enable <= regs_out.control.tick_enable.value;
+  settings.home <= regs_out.control.home_enable.value;
+  settings.tick_clocks <= regs_out.tick_clocks.value.value;
+  settings.weights <= regs_out.expected_weights.value.value;
+  settings.current_limit <= regs_out.current_limit_ua.value.value;
+  settings.current_slew <= regs_out.current_slew_ua.value.value;
+  settings.period_min <= regs_out.period_min_clocks.value.value;
+  settings.saturation_clocks <= regs_out.saturation_clocks.value.value;
+  settings.watchdog_clocks <= regs_out.watchdog_clocks.value.value;
+  settings.result_clocks <= regs_out.result_clocks.value.value;
+  settings.brake_clocks <= regs_out.brake_clocks.value.value;
+  settings.command_bound <= regs_out.command_bound_ua.value.value;
+  settings.command_clocks <= regs_out.command_clocks.value.value;
+  settings.hold_clocks <= regs_out.hold_clocks.value.value;
+  settings.brake_test_clocks <= regs_out.brake_test_clocks.value.value;
+
+  settings_held <= held(settings);
+
+  p_out : process (all) is
+  begin
+
+    out_settings <= settings;
+    out_settings.commands <= waiting;
+    out_settings.load <= loads_waiting;
+    out_settings.parity <= parity;
+
+  end process p_out;
+
+  -- Parity goes along with the settings; it is that of what was written. Settings change only in a write to one, and in
+  -- reset.
+
+  g_guard : if guard_g generate
+    signal writing_setting : std_ulogic := '0';
+    signal may_change      : std_ulogic;
+  begin
+
+    p_setting : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        if write_valid = '1' and awready = '1' then
+          writing_setting <= '0';
+          if s_axi_awaddr(settings_block_c'range) = settings_block_c and s_axi_awaddr /= command_register_c then
+            writing_setting <= '1';
+          end if;
+        end if;
+      end if;
+
+    end process p_setting;
+
+    may_change <= rst or (writing and writing_setting);
+
+    g_word : for i in parity'range generate
+
+      i_guard : entity work.gc_parity_guard
+        port map (
+          clk        => clk,
+          rst        => rst,
+          in_load    => may_change,
+          in_next    => settings_held(32 * i + 31 downto 32 * i),
+          in_word    => settings_held(32 * i + 31 downto 32 * i),
+          out_parity => parity(i),
+          out_upset  => open
+        );
+
+    end generate g_word;
+
+  else generate
+    parity <= (others => '0');
+  end generate g_guard;
 
   -- State
 
@@ -289,6 +360,13 @@ begin
   regs_in.fault.unreferenced.next_q <= in_state.fault(cause_reference_c);
   regs_in.fault.command.next_q <= in_state.fault(cause_command_c);
   regs_in.fault.hold.next_q <= in_state.fault(cause_hold_c);
+  regs_in.fault.brake.next_q <= in_state.fault(cause_brake_c);
+  regs_in.fault.clock.next_q <= in_state.fault(cause_clock_c);
+  regs_in.fault.core.next_q <= in_state.fault(cause_core_c);
+  regs_in.fault.upset.next_q <= in_state.fault(cause_upset_c);
+
+  regs_in.guards.feedback.next_q <= in_state.feedback;
+  regs_in.guards.core_clock.next_q <= in_alive;
 
   -- One word per axis.
 
@@ -296,10 +374,10 @@ begin
     regs_in.trained_low(i).value.next_q <= std_ulogic_vector(to_signed(count_low_c(i), 32));
     regs_in.trained_high(i).value.next_q <= std_ulogic_vector(to_signed(count_high_c(i), 32));
 
-    out_settings.index_position(i) <= regs_out.index_position(i).value.value;
-    out_settings.index_period(i) <= regs_out.index_period(i).value.value;
-    out_settings.window_low(i) <= regs_out.window_low(i).value.value;
-    out_settings.window_high(i) <= regs_out.window_high(i).value.value;
+    settings.index_position(i) <= regs_out.index_position(i).value.value;
+    settings.index_period(i) <= regs_out.index_period(i).value.value;
+    settings.window_low(i) <= regs_out.window_low(i).value.value;
+    settings.window_high(i) <= regs_out.window_high(i).value.value;
 
     regs_in.position(i).value.next_q <= in_state.position(i);
     regs_in.speed_period(i).value.next_q <= in_state.period(i);
@@ -319,6 +397,8 @@ begin
       new_result <= '0';
       new_missed <= '0';
       new_fault <= '0';
+      alive_1 <= in_alive;
+      stopped <= alive_1 and not in_alive;
       if in_valid = '1' then
         number <= in_state.number;
         missed <= in_state.missed;
@@ -340,6 +420,8 @@ begin
         new_result <= '0';
         new_missed <= '0';
         new_fault <= '0';
+        alive_1 <= '0';
+        stopped <= '0';
       end if;
     end if;
 
@@ -348,5 +430,6 @@ begin
   regs_in.interrupt_status.result.next_q <= new_result;
   regs_in.interrupt_status.missed_tick.next_q <= new_missed;
   regs_in.interrupt_status.fault.next_q <= new_fault;
+  regs_in.interrupt_status.core_clock.next_q <= stopped;
 
 end architecture rtl;

@@ -25,7 +25,12 @@ entity gc_core_side is
     speed_timeout_g   : positive := 10_000_000;
     reversal_clocks_g : positive := 250;
     dither_clocks_g   : positive := 40;
-    loadable_g        : boolean := false
+    loadable_g        : boolean := false;
+    -- See gc_safety; guard_g also: whether the parity of the settings is checked.
+    two_paths_g       : boolean := false;
+    brake_feedback_g  : boolean := false;
+    brake_test_g      : boolean := false;
+    guard_g           : boolean := false
   );
   port (
     clk           : in    std_ulogic;
@@ -38,6 +43,10 @@ entity gc_core_side is
     pin_z         : in    std_ulogic_vector(inputs_c - 1 downto 0);
     pin_error     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
     estop_n       : in    std_ulogic;
+    -- Read-back of the brakes, asynchronous; '1': fed, released. Only with brake_feedback_g.
+    brake_fed     : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    -- The host's clock stands, or this one stood.
+    in_clock_bad  : in    std_ulogic;
     -- Settings; their commands and loads count only with in_valid.
     in_valid      : in    std_ulogic;
     in_settings   : in    settings_t;
@@ -48,6 +57,8 @@ entity gc_core_side is
     drive_enable  : out   std_ulogic;
     -- '1' releases the brake of the axis.
     brake_release : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- '1' engages it.
+    brake_engage  : out   std_ulogic_vector(inputs_c - 1 downto 0);
     -- State is whole, and taken if wanted.
     out_valid     : out   std_ulogic;
     out_state     : out   state_t
@@ -98,6 +109,10 @@ architecture rtl of gc_core_side is
 
   signal run          : std_ulogic;
   signal released     : axes_t;
+  signal engaged      : axes_t;
+  signal feedback     : axes_t;
+  signal held_words   : held_t;
+  signal setting_bad  : std_ulogic;
   signal command      : signed(outputs_c * current_bits_c - 1 downto 0);
   signal limited      : axes_t;
   signal reached      : axes_t;
@@ -245,9 +260,28 @@ begin
       out_deviates => deviates
     );
 
+  held_words <= held(in_settings);
+
+  g_guard : if guard_g generate
+    signal bad : parity_t;
+  begin
+
+    g_word : for i in bad'range generate
+      bad(i) <= in_settings.parity(i) xor parity_of(held_words(32 * i + 31 downto 32 * i));
+    end generate g_word;
+
+    setting_bad <= '1' when unsigned(bad) /= 0 else '0';
+  else generate
+    setting_bad <= '0';
+  end generate g_guard;
+
   i_safety : entity work.gc_safety
     generic map (
-      period_shortest_g => shortest_period(filter_samples_g)
+      period_shortest_g => shortest_period(filter_samples_g),
+      two_paths_g       => two_paths_g,
+      brake_feedback_g  => brake_feedback_g,
+      brake_test_g      => brake_test_g,
+      guard_g           => guard_g
     )
     port map (
       clk                   => clk,
@@ -267,6 +301,10 @@ begin
       in_deviates           => deviates,
       in_crc_bad            => load_bad,
       in_rom_bad            => rom_bad,
+      in_clock_bad          => in_clock_bad,
+      in_core_bad           => '0',
+      in_upset              => setting_bad,
+      brake_fed             => brake_fed,
       cfg_count_low         => window_low,
       cfg_count_high        => window_high,
       cfg_period_min        => unsigned(in_settings.period_min),
@@ -276,8 +314,11 @@ begin
       cfg_command_clocks    => unsigned(in_settings.command_clocks),
       cfg_hold_clocks       => unsigned(in_settings.hold_clocks),
       cfg_brake_clocks      => unsigned(in_settings.brake_clocks),
+      cfg_test_clocks       => unsigned(in_settings.brake_test_clocks),
       run                   => run,
       brake_release         => released,
+      brake_engage          => engaged,
+      sts_feedback          => feedback,
       sts_state             => safety_state,
       sts_present           => cause,
       sts_fault             => fault,
@@ -289,6 +330,7 @@ begin
   drive_current <= command;
   drive_enable <= run;
   brake_release <= released;
+  brake_engage <= engaged;
 
   -- Late enough that the rest of the state shows what it did.
   control <= in_settings.home & in_settings.tick_enable & in_settings.enable;
@@ -311,8 +353,9 @@ begin
   out_state.number <= std_ulogic_vector(number);
   out_state.missed <= std_ulogic_vector(missed);
   out_state.safety <= safety_state;
-  out_state.released <= released;
+  out_state.released <= released and not engaged;
   out_state.run <= run;
+  out_state.feedback <= feedback;
   out_state.busy <= busy;
   out_state.clamped <= clamped;
   out_state.saturated <= saturated;

@@ -30,7 +30,17 @@ entity gc_system is
     reversal_clocks_g : positive := 250;
     dither_clocks_g   : positive := 40;
     -- Whether weights, scaling and compensation can be replaced at run time: two banks of memory for all of them.
-    loadable_g        : boolean := true
+    loadable_g        : boolean := true;
+    -- Clocks without a sign of the other clock that count as standstill of it, on each side; 0: not watched.
+    clock_watch_g     : natural := 256;
+    -- Whether brake_engage has a path of its own, and the two are compared.
+    two_paths_g       : boolean := true;
+    -- Whether brake_fed is wired, and compared with what the brakes were told.
+    brake_feedback_g  : boolean := false;
+    -- Whether each brake is tested before all are released; takes the other two.
+    brake_test_g      : boolean := false;
+    -- Whether settings, time-outs and remembered faults are watched for wrong bits.
+    guard_g           : boolean := true
   );
   port (
     s_axi_aclk    : in    std_ulogic;
@@ -68,10 +78,14 @@ entity gc_system is
     -- Current commands, uA, axis 1 lowest: hold, one clock of drive_valid per new command.
     drive_valid   : out   std_ulogic;
     drive_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
-    -- '0': commands are zero.
+    -- '0': commands are zero, or clk stands: switch the drives off.
     drive_enable  : out   std_ulogic;
-    -- '1' releases the brake of the axis.
-    brake_release : out   std_ulogic_vector(inputs_c - 1 downto 0)
+    -- '1' releases the brake of the axis, if brake_engage is '0'.
+    brake_release : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- '1' engages the brake of the axis: the other path.
+    brake_engage  : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Read-back per brake, asynchronous; '1': the brake is fed, it is released. Only with brake_feedback_g.
+    brake_fed     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0')
   );
 end entity gc_system;
 
@@ -93,6 +107,11 @@ architecture rtl of gc_system is
   signal core_state         : state_t;
   signal core_state_word    : state_word_t;
   signal state_valid        : std_ulogic;
+  signal core_alive         : std_ulogic;
+  signal bus_lost           : std_ulogic;
+  signal core_enable        : std_ulogic;
+  signal core_release       : axes_t;
+  signal core_engage        : axes_t;
 
 begin
 
@@ -124,7 +143,8 @@ begin
       lanes_g          => lanes_g,
       clock_hz_g       => clock_hz_g,
       filter_samples_g => filter_samples_g,
-      loadable_g       => loadable_g
+      loadable_g       => loadable_g,
+      guard_g          => guard_g
     )
     port map (
       clk           => s_axi_aclk,
@@ -151,6 +171,7 @@ begin
       irq           => irq,
       out_settings  => axi_settings,
       out_ready     => axi_ready,
+      in_alive      => core_alive,
       in_valid      => axi_valid,
       in_state      => axi_state
     );
@@ -180,7 +201,11 @@ begin
       speed_timeout_g   => speed_timeout_g,
       reversal_clocks_g => reversal_clocks_g,
       dither_clocks_g   => dither_clocks_g,
-      loadable_g        => loadable_g
+      loadable_g        => loadable_g,
+      two_paths_g       => two_paths_g,
+      brake_feedback_g  => brake_feedback_g,
+      brake_test_g      => brake_test_g,
+      guard_g           => guard_g
     )
     port map (
       clk           => clk,
@@ -190,15 +215,45 @@ begin
       pin_z         => pin_z,
       pin_error     => pin_error,
       estop_n       => estop_n,
+      brake_fed     => brake_fed,
+      in_clock_bad  => bus_lost,
       in_valid      => settings_valid,
       in_settings   => core_settings,
       drive_valid   => drive_valid,
       drive_current => drive_current,
-      drive_enable  => drive_enable,
-      brake_release => brake_release,
+      drive_enable  => core_enable,
+      brake_release => core_release,
+      brake_engage  => core_engage,
       out_valid     => state_valid,
       out_state     => core_state
     );
+
+  g_clock_watch : if clock_watch_g > 0 generate
+
+    i_clock_monitor : entity work.gc_clock_monitor
+      generic map (
+        bus_limit_g  => clock_watch_g,
+        core_limit_g => clock_watch_g
+      )
+      port map (
+        bus_clk    => s_axi_aclk,
+        bus_rst    => axi_rst,
+        core_alive => core_alive,
+        core_clk   => clk,
+        core_rst   => rst,
+        bus_lost   => bus_lost
+      );
+
+  else generate
+    core_alive <= '1';
+    bus_lost <= '0';
+  end generate g_clock_watch;
+
+  -- A core whose clock stands keeps what it said last: a register of the other clock has the last word. Each output is
+  -- one gate behind two registers, of which one changes at a time, so nothing comes out that neither says.
+  drive_enable <= core_enable and core_alive;
+  brake_release <= core_release when core_alive = '1' else (others => '0');
+  brake_engage <= core_engage when core_alive = '1' else (others => '1');
 
   core_state_word <= to_word(core_state);
   axi_state <= to_state(axi_state_word);

@@ -49,6 +49,14 @@ package gc_system_pkg is
 
   constant no_commands_c : commands_t := ('0', '0', '0', no_causes_c);
 
+  -- Bits of settings_t that stay as the host wrote them, in words with a bit of parity each.
+  constant held_bits_c  : positive := 2 + axes_c + 9 * 32 + 4 * 31 + 4 * 32 * axes_c;
+  constant held_words_c : positive := (held_bits_c + 31) / 32;
+
+  subtype held_t is std_ulogic_vector(32 * held_words_c - 1 downto 0);
+
+  subtype parity_t is std_ulogic_vector(held_words_c - 1 downto 0);
+
   type settings_t is record
     enable            : std_ulogic;
     tick_enable       : std_ulogic;
@@ -65,12 +73,15 @@ package gc_system_pkg is
     command_bound     : magnitude_t;
     command_clocks    : word_t;
     hold_clocks       : word_t;
+    brake_test_clocks : word_t;
     index_position    : axis_words_t;
     index_period      : axis_words_t;
     window_low        : axis_words_t;
     window_high       : axis_words_t;
     commands          : commands_t;
     load              : load_t;
+    -- Of held(settings), word by word.
+    parity            : parity_t;
   end record settings_t;
 
   -- Fields as the registers of the same names.
@@ -81,6 +92,7 @@ package gc_system_pkg is
     safety         : safety_state_t;
     released       : axes_t;
     run            : std_ulogic;
+    feedback       : axes_t;
     busy           : std_ulogic;
     clamped        : axes_t;
     saturated      : axes_t;
@@ -115,11 +127,11 @@ package gc_system_pkg is
   -- The sums of the bits of all fields.
 
   subtype settings_word_t is std_ulogic_vector(
-    2 + axes_c + 8 * 32 + 4 * 31 + 4 * 32 * axes_c + 3 + causes_c + 32 + 4 - 1 downto 0
+    held_bits_c + 3 + causes_c + 32 + 4 + held_words_c - 1 downto 0
   );
 
   subtype state_word_t is std_ulogic_vector(
-    3 * 32 + safety_state_t'length + 8 + 8 + 12 * axes_c + 7 * 32 * axes_c + 3 * causes_c - 1 downto 0
+    3 * 32 + safety_state_t'length + 8 + 8 + 13 * axes_c + 7 * 32 * axes_c + 3 * causes_c - 1 downto 0
   );
 
   -- Whether it loads anything.
@@ -136,6 +148,12 @@ package gc_system_pkg is
   function to_word (
     settings : settings_t
   ) return settings_word_t;
+
+  -- The settings without commands and parity, and zeros.
+
+  function held (
+    settings : settings_t
+  ) return held_t;
 
   function to_word (
     state : state_t
@@ -290,6 +308,7 @@ package body gc_system_pkg is
     put(word_v, settings.command_bound);
     put(word_v, settings.command_clocks);
     put(word_v, settings.hold_clocks);
+    put(word_v, settings.brake_test_clocks);
     put(word_v, settings.index_position);
     put(word_v, settings.index_period);
     put(word_v, settings.window_low);
@@ -303,10 +322,26 @@ package body gc_system_pkg is
     put(word_v, settings.load.begin_image);
     put(word_v, settings.load.commit);
     put(word_v, settings.load.use_rom);
+    put(word_v, settings.parity);
 
     return word_v;
 
   end function to_word;
+
+  function held (
+    settings : settings_t
+  ) return held_t is
+
+    constant word_c : settings_word_t := to_word(settings);
+    variable held_v : held_t          := (others => '0');
+
+  begin
+
+    held_v(held_bits_c - 1 downto 0) := word_c(held_bits_c - 1 downto 0);
+
+    return held_v;
+
+  end function held;
 
   function to_word (
     state : state_t
@@ -321,6 +356,7 @@ package body gc_system_pkg is
     put(word_v, state.safety);
     put(word_v, state.released);
     put(word_v, state.run);
+    put(word_v, state.feedback);
     put(word_v, state.busy);
     put(word_v, state.clamped);
     put(word_v, state.saturated);
@@ -380,6 +416,7 @@ package body gc_system_pkg is
     take(left_v, fields_v.command_bound);
     take(left_v, fields_v.command_clocks);
     take(left_v, fields_v.hold_clocks);
+    take(left_v, fields_v.brake_test_clocks);
     take(left_v, fields_v.index_position);
     take(left_v, fields_v.index_period);
     take(left_v, fields_v.window_low);
@@ -393,6 +430,7 @@ package body gc_system_pkg is
     take(left_v, fields_v.load.begin_image);
     take(left_v, fields_v.load.commit);
     take(left_v, fields_v.load.use_rom);
+    take(left_v, fields_v.parity);
 
     return fields_v;
 
@@ -413,6 +451,7 @@ package body gc_system_pkg is
     take(left_v, fields_v.safety);
     take(left_v, fields_v.released);
     take(left_v, fields_v.run);
+    take(left_v, fields_v.feedback);
     take(left_v, fields_v.busy);
     take(left_v, fields_v.clamped);
     take(left_v, fields_v.saturated);

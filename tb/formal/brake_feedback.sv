@@ -2,7 +2,7 @@
 module brake_feedback (
     input clk,
     input rst,
-    input [2:0] brake_feedback,
+    input [2:0] brake_fed,
     input [2:0] in_released,
     input [31:0] cfg_clocks
 );
@@ -11,7 +11,7 @@ module brake_feedback (
   wire differs;
 
   gc_brake_feedback dut (
-      .clk(clk), .rst(rst), .brake_feedback(brake_feedback), .in_released(in_released), .cfg_clocks(cfg_clocks),
+      .clk(clk), .rst(rst), .brake_fed(brake_fed), .in_released(in_released), .cfg_clocks(cfg_clocks),
       .out_feedback(feedback), .out_differs(differs)
   );
 
@@ -21,8 +21,8 @@ module brake_feedback (
   reg [2:0] n_clocks = 0;
 
   always @(posedge clk) begin
-    {pins_1, pins_2} <= {brake_feedback, pins_1};
-    {wrong_1, wrong_2, wrong_3} <= {brake_feedback ^ in_released, wrong_1, wrong_2};
+    {pins_1, pins_2} <= {brake_fed, pins_1};
+    {wrong_1, wrong_2, wrong_3} <= {brake_fed ^ in_released, wrong_1, wrong_2};
     limit_was_0 <= cfg_clocks == 0;
     n_clocks <= rst ? 0 : n_clocks == 4 ? 4 : n_clocks + 1;
   end

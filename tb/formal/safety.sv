@@ -4,7 +4,7 @@ module safety (
     input rst,
     input estop_n,
     input enable,
-    input [11:0] clear,
+    input [15:0] clear,
     input kick,
     input [95:0] in_count,
     input [95:0] in_period,
@@ -17,6 +17,9 @@ module safety (
     input [2:0] in_deviates,
     input in_crc_bad,
     input in_rom_bad,
+    input in_clock_bad,
+    input in_core_bad,
+    input in_upset,
     input [95:0] cfg_count_low,
     input [95:0] cfg_count_high,
     input [30:0] cfg_period_min,
@@ -31,8 +34,8 @@ module safety (
   localparam [2:0] BRAKED = 3'b000, HOLDING = 3'b011, RUN = 3'b101, FAULT = 3'b110;
 
   wire run;
-  wire [2:0] brake_release, state;
-  wire [11:0] present, fault, first_cause;
+  wire [2:0] brake_release, brake_engage, state;
+  wire [15:0] present, fault, first_cause;
   wire [95:0] first_count;
   wire [7:0] events;
 
@@ -40,21 +43,23 @@ module safety (
       .clk(clk), .rst(rst), .estop_n(estop_n), .enable(enable), .clear(clear), .kick(kick), .in_count(in_count),
       .in_period(in_period), .in_referenced(in_referenced), .in_illegal(in_illegal), .in_result(in_result),
       .in_clamped(in_clamped), .in_saturated(in_saturated), .in_reached(in_reached), .in_deviates(in_deviates),
-      .in_crc_bad(in_crc_bad), .in_rom_bad(in_rom_bad), .cfg_count_low(cfg_count_low), .cfg_count_high(cfg_count_high),
+      .in_crc_bad(in_crc_bad), .in_rom_bad(in_rom_bad), .in_clock_bad(in_clock_bad), .in_core_bad(in_core_bad),
+      .in_upset(in_upset), .brake_fed(3'b0), .cfg_count_low(cfg_count_low), .cfg_count_high(cfg_count_high),
       .cfg_period_min(cfg_period_min), .cfg_saturation_clocks(cfg_saturation_clocks),
       .cfg_watchdog_clocks(cfg_watchdog_clocks), .cfg_result_clocks(cfg_result_clocks),
       .cfg_command_clocks(cfg_command_clocks), .cfg_hold_clocks(cfg_hold_clocks),
-      .cfg_brake_clocks(cfg_brake_clocks), .run(run), .brake_release(brake_release), .sts_state(state),
+      .cfg_brake_clocks(cfg_brake_clocks), .cfg_test_clocks(32'b0), .run(run), .brake_release(brake_release),
+      .brake_engage(brake_engage), .sts_state(state),
       .sts_present(present), .sts_fault(fault), .sts_first_cause(first_cause), .sts_first_count(first_count),
       .sts_events(events)
   );
 
   // The last clocks; enable counts as high before power-up.
-  reg rst_1 = 1, run_1 = 0, enable_1 = 1, enable_2 = 1;
+  reg rst_1 = 1, upset_1 = 0, run_1 = 0, enable_1 = 1, enable_2 = 1;
   reg [1:3] estop_n_then = 0;
   reg [1:2] illegal_then = 0, unreferenced_then = 0;
   reg [2:0] state_1 = BRAKED, brake_release_1 = 0;
-  reg [11:0] clear_1 = 0, present_1 = 0, fault_1 = 0, first_cause_1 = 0;
+  reg [15:0] clear_1 = 0, present_1 = 0, fault_1 = 0, first_cause_1 = 0;
   reg [95:0] first_count_1;
   reg [7:0] events_1 = 0;
 
@@ -87,6 +92,7 @@ module safety (
     held_too_long <= !rst && holds && held >= cfg_hold_clocks;
     {carried_long_enough_1, deviated_too_long_1, held_too_long_1} <= {carried_long_enough, deviated_too_long, held_too_long};
     rst_1 <= rst;
+    upset_1 <= in_upset;
     clear_1 <= clear;
     run_1 <= run;
     enable_1 <= enable;
@@ -106,6 +112,8 @@ module safety (
   always @* begin
     state_is_legal : assert (state == BRAKED || state == HOLDING || state == RUN || state == FAULT);
     brakes_are_engaged_but_in_run : assert (brake_release == (state == RUN ? 3'b111 : 3'b000));
+    both_paths_agree : assert (brake_engage == ~brake_release && !present[12]);
+    nothing_is_upset_of_itself : assert (!present[15] || upset_1);
     command_is_zero_braked_and_in_fault : assert (run == (state == HOLDING || state == RUN));
     brakes_open_after_the_motors_hold : assert (!brake_release || brake_release_1 || state_1 == HOLDING && enable_1);
     brakes_open_after_the_whole_command_was_reached :

@@ -12,9 +12,15 @@ library work;
 
 entity gc_system_bench is
   generic (
-    lanes_g         : positive := 4;
-    speed_timeout_g : positive := 10_000_000;
-    loadable_g      : boolean := true
+    -- See gc_system.
+    lanes_g          : positive := 4;
+    speed_timeout_g  : positive := 10_000_000;
+    loadable_g       : boolean := true;
+    clock_watch_g    : natural := 256;
+    two_paths_g      : boolean := true;
+    brake_feedback_g : boolean := false;
+    brake_test_g     : boolean := false;
+    guard_g          : boolean := true
   );
   port (
     s_axi_aclk      : in    std_ulogic;
@@ -53,7 +59,14 @@ entity gc_system_bench is
     drive_valid     : out   std_ulogic;
     drive_current   : out   signed(outputs_c * current_bits_c - 1 downto 0);
     drive_enable    : out   std_ulogic;
-    brake_release   : out   std_ulogic_vector(inputs_c - 1 downto 0)
+    brake_release   : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_engage    : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Brakes that both paths release.
+    brakes_open     : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Bits of the settings that stay.
+    held_bits       : out   natural;
+    -- The read-back of the axis is wrong; it follows at once otherwise.
+    brake_fails     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0')
   );
 end entity gc_system_bench;
 
@@ -62,6 +75,7 @@ architecture sim of gc_system_bench is
   signal a          : std_ulogic_vector(inputs_c - 1 downto 0);
   signal b          : std_ulogic_vector(inputs_c - 1 downto 0);
   signal z          : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal fed        : std_ulogic_vector(inputs_c - 1 downto 0);
   signal true_count : signed(inputs_c * 32 - 1 downto 0);
 
   -- The test writes a word that crosses to *_bits, and reads its fields: cocotb sees no records.
@@ -100,14 +114,23 @@ begin
 
   end generate g_encoder;
 
+  brakes_open <= brake_release and not brake_engage;
+  fed <= brakes_open xor brake_fails;
+  held_bits <= held_bits_c;
+
   pin_a <= a;
   pin_b <= b;
 
   i_system : entity work.gc_system
     generic map (
-      lanes_g         => lanes_g,
-      speed_timeout_g => speed_timeout_g,
-      loadable_g      => loadable_g
+      lanes_g          => lanes_g,
+      speed_timeout_g  => speed_timeout_g,
+      loadable_g       => loadable_g,
+      clock_watch_g    => clock_watch_g,
+      two_paths_g      => two_paths_g,
+      brake_feedback_g => brake_feedback_g,
+      brake_test_g     => brake_test_g,
+      guard_g          => guard_g
     )
     port map (
       s_axi_aclk    => s_axi_aclk,
@@ -140,7 +163,9 @@ begin
       drive_valid   => drive_valid,
       drive_current => drive_current,
       drive_enable  => drive_enable,
-      brake_release => brake_release
+      brake_release => brake_release,
+      brake_engage  => brake_engage,
+      brake_fed     => fed
     );
 
   state <= to_state(state_bits);

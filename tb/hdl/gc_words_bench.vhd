@@ -96,12 +96,14 @@ architecture sim of gc_words_bench is
     command_bound     => value(14, 31),
     command_clocks    => value(15, 32),
     hold_clocks       => value(16, 32),
+    brake_test_clocks => value(17, 32),
     index_position    => axis_values(11),
     index_period      => axis_values(17),
     window_low        => axis_values(12),
     window_high       => axis_values(13),
     commands          => commands_c,
-    load              => load_c
+    load              => load_c,
+    parity            => value(18, held_words_c)
   );
 
   constant state_c : state_t :=
@@ -111,6 +113,7 @@ architecture sim of gc_words_bench is
     safety         => state_run_c,
     released       => "001",
     run            => '1',
+    feedback       => "101",
     busy           => '0',
     clamped        => "010",
     saturated      => "011",

@@ -63,6 +63,7 @@ class Event(IntFlag):
     RESULT = 1
     FAULT = 2
     MISSED_TICK = 4
+    CORE_STOPPED = 8
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,8 @@ class Settings:
     index_period: counts from index to index, 0 where there is one. speed_max_counts_per_s: 0 allows no motion.
     margin_counts: allowed beyond the trained range. current_slew_ua: per result. brake_us: for a brake to close and for
     the motors to take the load. The other times are the longest in saturation, from kick to kick and result to result,
-    with a command further than command_bound_ua from the current asked for, and until the motors have taken the load.
+    with a command further than command_bound_ua from the current asked for, and until the motors have taken the load;
+    brake_test_us is that of a phase of the test of a brake, 0 without a test.
     """
 
     expected_weights: int
@@ -107,6 +109,7 @@ class Settings:
     command_bound_ua: int
     command_us: int
     hold_us: int
+    brake_test_us: int = 0
 
 
 @dataclass(frozen=True)
@@ -183,8 +186,10 @@ class Host:
             return "index_period: not a multiple of 4"
         results = (limit + slew - 1) // slew + 1
         ramp = results * _clocks(hz, settings.tick_us) + _clocks(hz, settings.brake_us)
+        if test := _clocks(hz, settings.brake_test_us):
+            ramp += 4 * AXES * (test + 2) + 1
         if ramp > _clocks(hz, settings.hold_us):
-            return "hold_us: shorter than the slew from 0 to current_limit_ua and brake_us"
+            return "hold_us: shorter than the slew from 0 to current_limit_ua, brake_us and the test of the brakes"
         return None
 
     def _is_too_fast(self, identity: Identity, settings: Settings) -> bool:
@@ -205,7 +210,7 @@ class Host:
         self._write("current_slew_ua", settings.current_slew_ua)
         self._write("period_min_clocks", _period_min(identity, settings))
         self._write("command_bound_ua", settings.command_bound_ua)
-        for name in ("saturation", "watchdog", "result", "brake", "command", "hold"):
+        for name in ("saturation", "watchdog", "result", "brake", "command", "hold", "brake_test"):
             self._write(f"{name}_clocks", _clocks(hz, getattr(settings, f"{name}_us")))
         for axis in range(AXES):
             self._write("index_position", settings.index_position[axis], axis)
@@ -257,6 +262,12 @@ class Host:
 
     def clear_faults(self, faults: int) -> None:
         self._write("fault", faults)
+
+    def core_runs(self) -> bool:
+        return bool(self._map["guards"].field("core_clock", self._read("guards")))
+
+    def brakes_fed(self) -> int:
+        return self._map["guards"].field("feedback", self._read("guards"))
 
     def clear_encoders(self) -> None:
         self._command("clear_encoder")

@@ -3,21 +3,14 @@
 Element k of an array is the value just before rising clock edge k, as in gravcomp.twin.encoder.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import IntEnum
 
 import numpy as np
 
+from gravcomp.twin.brakes import BrakeOptions, Brakes, State
 from gravcomp.twin.encoder import NO_PERIOD, DecoderConfig, synchronizer
-
-
-class State(IntEnum):
-    """Codes of gc_safety_pkg."""
-
-    BRAKED = 0b000
-    HOLDING = 0b011
-    RUN = 0b101
-    FAULT = 0b110
+from gravcomp.twin.timeout import Timeout, timeout
 
 
 class Cause(IntEnum):
@@ -35,6 +28,10 @@ class Cause(IntEnum):
     REFERENCE = 9
     COMMAND = 10
     HOLD = 11
+    BRAKE = 12
+    CLOCK = 13
+    CORE = 14
+    UPSET = 15
 
     @property
     def mask(self) -> int:
@@ -42,70 +39,68 @@ class Cause(IntEnum):
         return 1 << self
 
 
-ALWAYS = Cause.ESTOP.mask | Cause.ENCODER.mask | Cause.CRC.mask | Cause.ROM.mask  # faults while braked, too
-
-
-class Timeout:
-    """gc_timeout, a clock at a time: expired."""
-
-    def __init__(self) -> None:
-        self.expired, self._quiet = False, 0
-
-    def clock(self, restart: bool, limit: int) -> None:
-        """One rising edge, at which the inputs have these values; reset is a restart."""
-        self.expired = not restart and self._quiet >= limit
-        if restart:
-            self._quiet = 0
-        elif self._quiet < limit:
-            self._quiet += 1
-
-
-def timeout(restart: np.ndarray, limit: np.ndarray) -> np.ndarray:
-    """gc_timeout: expired, from restart (or reset) and limit."""
-    expired, counter = np.zeros(len(restart), np.int64), Timeout()
-    for k in range(len(restart) - 1):
-        counter.clock(bool(restart[k]), int(limit[k]))
-        expired[k + 1] = counter.expired
-    return expired
+# Faults while braked, too.
+ALWAYS = sum(
+    cause.mask for cause in (Cause.ESTOP, Cause.ENCODER, Cause.CRC, Cause.ROM, Cause.BRAKE, Cause.CORE, Cause.UPSET)
+)
 
 
 def safety(
-    inputs: Mapping[str, np.ndarray], sync_stages: int = 2, period_shortest: int = DecoderConfig().shortest_period
+    inputs: Mapping[str, np.ndarray],
+    options: BrakeOptions,
+    brake: Callable[[int, int], int] | None = None,
+    period_shortest: int = DecoderConfig().shortest_period,
 ) -> dict[str, np.ndarray]:
     """gc_safety: its outputs by port name, from all its inputs but clk by port name.
 
-    Inputs of several axes and sts_first_count are (clocks, axes), all others (clocks,).
+    Inputs of several axes and sts_first_count are (clocks, axes), all others (clocks,); brake_fed and what the brakes
+    are told are words of one bit per axis. brake(told, clock): brake_fed of that clock, from the brakes that are told
+    to be open, in place of the input. The outputs have brake_fed, too.
     """
-    known, estop_n = synchronizer(inputs["rst"], inputs["estop_n"], sync_stages)
+    known, estop_n = synchronizer(inputs["rst"], inputs["estop_n"], options.sync_stages)
     present = _present(inputs, period_shortest) | (known & ~estop_n & 1) << Cause.ESTOP
-    names = ("run", "brake_release", "sts_state", "sts_fault", "sts_first_cause", "sts_events")
+    names = (
+        "run",
+        "brake_release",
+        "brake_engage",
+        "sts_feedback",
+        "sts_state",
+        "sts_fault",
+        "sts_first_cause",
+        "sts_events",
+    )
     out = {name: np.zeros_like(present) for name in names} | {"sts_present": present}
-    out["sts_first_count"] = np.zeros_like(inputs["in_count"])
-    sequencer, latch, count_1 = Sequencer(), FaultLatch(), np.zeros_like(inputs["in_count"][0])
-    load = _Load()
+    out["sts_first_count"], n_axes = np.zeros_like(inputs["in_count"]), inputs["in_count"].shape[1]
+    brakes, latch, count_1 = Brakes(n_axes, options), FaultLatch(), np.zeros_like(inputs["in_count"][0])
+    out["brake_engage"][0], sequencer = brakes.brake_engage, brakes.sequencer
+    load, fed = _Load(), np.zeros_like(present) if brake else inputs["brake_fed"]
+    out["brake_fed"] = fed
     for k in range(len(present) - 1):
-        present[k] |= load.present(sequencer.state)
+        present[k] |= load.present(sequencer.state) | brakes.wrong << Cause.BRAKE
         load.clock({name: values[k] for name, values in inputs.items()}, sequencer.state)
+        if brake:
+            fed[k] = brake(brakes.brake_release & ~brakes.brake_engage, k)
         fault = int(present[k]) & (ALWAYS if sequencer.state == State.BRAKED else ~0)
         clear = int(inputs["clear"][k])
         cleared = clear != 0 and not latch.causes & ~clear
         latch.clock(bool(inputs["rst"][k]), clear, fault, count_1)
-        sequencer.clock(
+        brakes.clock(
             bool(inputs["rst"][k]),
             int(inputs["enable"][k]),
             cleared,
             fault != 0,
             present[k] == 0 and known[k] == 1,
             bool(inputs["in_reached"][k].all()),
-            int(inputs["cfg_brake_clocks"][k]),
+            int(fed[k]),
+            *(int(inputs[name][k]) for name in ("cfg_brake_clocks", "cfg_test_clocks")),
         )
         count_1 = inputs["in_count"][k]
         out["sts_state"][k + 1] = sequencer.state
-        out["run"][k + 1] = sequencer.state in (State.HOLDING, State.RUN)
-        out["brake_release"][k + 1] = sequencer.state == State.RUN
+        out["run"][k + 1], out["sts_feedback"][k + 1] = sequencer.run, brakes.feedback
+        out["brake_release"][k + 1], out["brake_engage"][k + 1] = brakes.brake_release, brakes.brake_engage
         out["sts_fault"][k + 1], out["sts_first_cause"][k + 1] = latch.causes, latch.first_cause
         out["sts_first_count"][k + 1], out["sts_events"][k + 1] = latch.first_count, latch.events
-    present[-1] |= load.present(sequencer.state)
+    present[-1] |= load.present(sequencer.state) | brakes.wrong << Cause.BRAKE
     return out
 
 
@@ -138,6 +133,9 @@ def _present(inputs: Mapping[str, np.ndarray], period_shortest: int) -> np.ndarr
         (inputs["in_illegal"].any(axis=1)) << Cause.ENCODER
         | (inputs["in_crc_bad"] != 0) << Cause.CRC
         | (inputs["in_rom_bad"] != 0) << Cause.ROM
+        | (inputs["in_clock_bad"] != 0) << Cause.CLOCK
+        | (inputs["in_core_bad"] != 0) << Cause.CORE
+        | (inputs["in_upset"] != 0) << Cause.UPSET
         | (np.abs(period) < limit[:, None]).any(axis=1) << Cause.SPEED
         | ((count < low) | (count > high)).any(axis=1) << Cause.POSITION
         | (~inputs["in_referenced"].all(axis=1)) << Cause.REFERENCE
@@ -150,31 +148,6 @@ def _present(inputs: Mapping[str, np.ndarray], period_shortest: int) -> np.ndarr
         | timeout(rst | (inputs["kick"] != 0), inputs["cfg_watchdog_clocks"]) << Cause.WATCHDOG
         | timeout(rst | (inputs["in_result"] != 0), inputs["cfg_result_clocks"]) << Cause.RESULT
     )
-
-
-class Sequencer:
-    """gc_brake_sequencer, a clock at a time: state."""
-
-    def __init__(self) -> None:
-        self.state, self._last_enable, self._hold = State.BRAKED, 1, Timeout()
-
-    def clock(
-        self, rst: bool, enable: int, clear: bool, fault: bool, healthy: bool, reached: bool, brake_clocks: int
-    ) -> None:
-        """One rising edge, at which the inputs have these values."""
-        restart = self.state != State.HOLDING or enable != self._last_enable or (enable == 1 and not reached)
-        following = self.state
-        if self.state == State.BRAKED and enable > self._last_enable and healthy:
-            following = State.HOLDING
-        elif self.state == State.HOLDING and self._hold.expired and not restart:
-            following = State.RUN if enable else State.BRAKED
-        elif self.state == State.RUN and not enable:
-            following = State.HOLDING
-        elif self.state == State.FAULT and clear:
-            following = State.BRAKED
-        self._hold.clock(restart or rst, brake_clocks)
-        self.state = State.BRAKED if rst else State.FAULT if fault else following
-        self._last_enable = enable
 
 
 class FaultLatch:

@@ -66,7 +66,7 @@ CLAIMS = (
     Claim("hidden_saturation", "gc_hidden_lane"),
     Claim("output_saturation", "gc_output_scaler"),
     Claim("force_saturation", "gc_compensator", parameters={"TOTAL_BITS": FRICTION_BITS + 1}),
-    Claim("safety", "gc_safety"),
+    Claim("safety", "gc_safety", {"two_paths_g": "true"}),
     Claim("parity_guard", "gc_parity_guard", {"width_g": 5}, {"BITS": 5}),
     Claim("timeout", "gc_timeout", {"bits_g": 4, "guard_g": "true"}, {"BITS": 4}),
     Claim("brake_permit", "gc_brake_permit"),
