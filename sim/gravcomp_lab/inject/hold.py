@@ -53,7 +53,8 @@ def bring_up(session: Session, scene: Scene) -> None:
     if scene.image:
         _need(host.load(scene.image, zlib.crc32(scene.image), 1000), "load")
     _need(host.home(7), "home")
-    session.tell("e", *(count - 4 for count in index))
+    # In phase 0, as the pins are after reset; the phase of the index comes by once before it.
+    session.tell("e", *(count - 6 for count in index))
     session.ask("t", *POSE)
     _need(host.tick(True), "tick")
     host.kick()
