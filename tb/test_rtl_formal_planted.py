@@ -47,7 +47,7 @@ PLANTED = [
          "            next_c := '1';", "no_event_is_lost"),
     ]),
     ("safety", "gc_fault_latch", [
-        ("(left_v and not sts_fault) /= no_causes_c", "sts_fault = no_causes_c and left_v /= no_causes_c",
+        ("(left and not sts_fault) /= no_causes_c", "sts_fault = no_causes_c and left /= no_causes_c",
          "every_fault_that_comes_is_an_event"),
     ]),
     ("safety", "gc_brake_sequencer", [
