@@ -180,6 +180,7 @@ def test_restart_of_the_clock_is_a_second_run(tmp_path):
     found = diagnosed(tmp_path, "\n".join([*lines, *lines[1:300]]) + "\n")
     assert names(found) == {"coulomb_friction"}
     assert is_said(found, "restarts in row 502", "2 runs")
+    assert "restarts in row 502" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_epoch_in_nanoseconds_is_a_time(tmp_path):
