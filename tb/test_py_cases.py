@@ -83,6 +83,19 @@ def test_friction_without_a_velocity_is_never_nothing(tmp_path):
         assert "velocity" in found["untestable"]["coulomb_friction"]
 
 
+def test_friction_without_a_velocity_and_more_often_one_way_is_no_offset(tmp_path):
+    """The median lies within one of the two values; the cut between them does not."""
+    rng = np.random.default_rng(15)
+    q = rng.uniform(-1.4, 1.4, 150)
+    sign = np.where(rng.random(150) < 0.5 - 0.15 * q, -1.0, 1.0)
+    f = 8.0 * np.cos(q) + 0.5 * sign + NOISE * rng.standard_normal(150)
+    found = diagnosed(tmp_path, log(t_s=np.arange(150.0), q1_rad=q, f1_nm=f, fm1_nm=8.0 * np.cos(q)))
+    assert not names(found) - {"current_offset"}
+    assert found["verdict"] != "explained"
+    assert found["left_out"]["gross_errors"] == 0
+    assert is_said(found, "two-valued")
+
+
 def test_payload_beside_hidden_friction_is_part_of_the_story(tmp_path):
     rng = np.random.default_rng(4)
     q = rng.uniform(-1.2, 1.2, 400)

@@ -183,7 +183,7 @@ def _shares_of_sensors(entries: list[Entry], use: np.ndarray, written: np.ndarra
 def _words(data: Measurement, after: np.ndarray, fit: Fit) -> tuple[list[str], bool]:
     """Lines on what the remainder, the changes and the gain say, and whether the remainder hides a direction."""
     notes = []
-    level = np.zeros(data.n_axes) if data.has_velocity else sensors.two_valued(after)
+    level = np.zeros(data.n_axes) if data.has_velocity else sensors.two_valued(after)[0]
     for i in np.flatnonzero(level):
         size = f"{level[i]:.3g} {data.effort_units[i]}"
         notes.append(f"what is left of axis {i + 1} is two-valued, {size} up and down, as friction with unknown "
@@ -249,8 +249,8 @@ def _search(data: Measurement, before: np.ndarray, rows: np.ndarray, known, tick
     unexplained, ripples, refined = measured, [measured], []
     for turn in range(ROUNDS):
         tick(f"search {turn + 1}")
-        is_gross = outliers.gross(data, unexplained, rows)
         hidden = _hidden(data, unexplained)
+        is_gross = outliers.gross(data, unexplained - hidden, rows)
         scale = np.maximum(outliers.spread(unexplained - hidden), 1e-9 * np.abs(data.force).max())
         residual, size = measured - hidden, np.abs(unexplained - hidden)
         weight = sure * ~is_gross * (np.minimum(1.0, HUBER * scale / np.maximum(size, TINY)) if turn else 1.0)
@@ -318,7 +318,8 @@ def _hidden(data: Measurement, unexplained: np.ndarray) -> np.ndarray:
     """The part of a two-valued remainder whose sign no column tells, (m, k): friction of an unknown approach."""
     if data.has_velocity:
         return np.zeros_like(unexplained)
-    return sensors.two_valued(unexplained) * np.sign(unexplained - np.median(unexplained, axis=0))
+    level, centre = sensors.two_valued(unexplained)
+    return level * np.sign(unexplained - centre)
 
 
 def _fitted(criterion: Criterion, choice: Choice, entries: list[Regressor], shape) -> dict[int, np.ndarray]:

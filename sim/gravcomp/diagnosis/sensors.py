@@ -129,12 +129,12 @@ def _fits(data: Measurement, i: int, gain: float) -> bool:
     return spread((f - gain * m)[:, None])[0] < 0.5 * spread((f - m)[:, None])[0] or np.ptp(m) < 1e-9 * np.abs(m).max()
 
 
-def two_valued(residual: np.ndarray) -> np.ndarray:
-    """Level of each column of (m, k) that takes two values only, centre +- level, (k,); 0 where it does not.
+def two_valued(residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Level and centre, (k,) each, of columns of (m, k) that take two values, centre +- level; level 0 of others.
 
     Two means; normal samples lie 2.7, evenly spread ones 3.5 of their inner deviations apart.
     """
-    out = np.zeros(residual.shape[1])
+    level, centre = np.zeros(residual.shape[1]), np.median(residual, axis=0)
     for i, r in enumerate(residual.T):
         cut = np.median(r)
         for _ in range(10):
@@ -147,5 +147,5 @@ def two_valued(residual: np.ndarray) -> np.ndarray:
         apart = r[up].mean() - r[~up].mean()
         inner = np.sqrt((r[up].var() * up.sum() + r[~up].var() * (~up).sum()) / len(r))
         if apart > TWO_VALUED * max(inner, TINY):
-            out[i] = apart / 2.0
-    return out
+            level[i], centre[i] = apart / 2.0, cut
+    return level, centre
