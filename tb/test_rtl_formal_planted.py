@@ -261,8 +261,8 @@ PLANTED = [
     ("input_clamp", "gc_input_scaler", [
         ("truncate(count, count_shift_c, operand_bits_c)", "truncate(count, count_shift_c + 1, operand_bits_c)",
          "counts_in_range_are_multiplied_whole"),
-        ("x_v := used.x_high(", "x_v := used.x_low(", "counts_outside_are_clamped"),
-        ("if count < used.count_low(", "if count <= used.count_low(", "clamped_counts_are_flagged"),
+        ("x_v := scalars.x_high(", "x_v := scalars.x_low(", "counts_outside_are_clamped"),
+        ("if count < scalars.count_low(", "if count <= scalars.count_low(", "clamped_counts_are_flagged"),
     ]),
     *((checker, "gc_fixed_pkg", [
         ("limit_v := (others => not value_a(value_a'high));", "limit_v := (others => value_a(value_a'high));", clipped),
