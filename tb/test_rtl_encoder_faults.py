@@ -121,12 +121,15 @@ async def an_index_that_never_falls_is_no_reference(dut):
     board = Board(dut)
     await board.start()
     board.wires = {("z", axis): 1 for axis in range(3)}
+    board.drive()
     await board.configure()
     await board.home()
     await board.registers.read("result_number")
     assert await board.registers.field("axis_flags", "referenced") == 0
+    assert await board.registers.field("axis_flags", "illegal") == 0, "a reference that was lost again"
     assert await board.registers.read("cause") & Cause.REFERENCE.mask
     board.wires = {}
+    board.drive()
     await board.home()
     await board.registers.read("result_number")
     assert await board.registers.field("axis_flags", "referenced") == 7

@@ -69,6 +69,7 @@ class Board(System):
         await self.registers.write_axes("index_position", [INDEX] * AXES)
         await self.registers.write_axes("index_period", [self.period] * AXES)
         await self.registers.write("control", 0)
+        await self.clocks(40)  # the core must see it: of two writes close together it may see only the second
         await self.registers.write("control", 7 << 4)
         await self.clocks(40)
         for target in (INDEX - 8, INDEX + 8, INDEX):
