@@ -14,6 +14,7 @@ proc init_gui {IPINST} {
     ipgui::add_param $IPINST -name brake_feedback_g
     ipgui::add_param $IPINST -name brake_test_g
     ipgui::add_param $IPINST -name guard_g
+    ipgui::add_param $IPINST -name twin_g
 }
 
 proc update_PARAM_VALUE.lanes_g {PARAM_VALUE.lanes_g} {}
@@ -134,4 +135,14 @@ proc validate_PARAM_VALUE.guard_g {PARAM_VALUE.guard_g} {
 
 proc update_MODELPARAM_VALUE.guard_g {MODELPARAM_VALUE.guard_g PARAM_VALUE.guard_g} {
     set_property value [get_property value ${PARAM_VALUE.guard_g}] ${MODELPARAM_VALUE.guard_g}
+}
+
+proc update_PARAM_VALUE.twin_g {PARAM_VALUE.twin_g} {}
+
+proc validate_PARAM_VALUE.twin_g {PARAM_VALUE.twin_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.twin_g {MODELPARAM_VALUE.twin_g PARAM_VALUE.twin_g} {
+    set_property value [get_property value ${PARAM_VALUE.twin_g}] ${MODELPARAM_VALUE.twin_g}
 }

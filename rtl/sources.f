@@ -44,6 +44,7 @@ safety/gc_brake_test.vhd
 safety/gc_brake_feedback.vhd
 safety/gc_brakes.vhd
 safety/gc_safety.vhd
+safety/gc_lockstep.vhd
 safety/gc_drive.vhd
 system/gc_tick.vhd
 loading/gc_crc_pkg.vhd
@@ -56,4 +57,5 @@ registers/gc_registers.vhd
 system/gc_system_pkg.vhd
 system/gc_bus_side.vhd
 system/gc_core_side.vhd
+system/gc_core_twin.vhd
 system/gc_system.vhd

@@ -19,6 +19,7 @@ ENTITIES = {
     "gc_fault_latch": {},
     "gc_clock_monitor": {},
     "gc_parity_guard": {},
+    "gc_lockstep": {},
     "gc_brake_permit": {},
     "gc_brake_test": {},
     "gc_brake_feedback": {},

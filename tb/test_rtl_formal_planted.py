@@ -94,6 +94,11 @@ PLANTED = [
     ("parity_guard", "gc_parity_guard", [
         ("parity xor parity_of(in_word)", "parity and not parity_of(in_word)", "single_wrong_bit_is_found"),
     ]),
+    ("lockstep", "gc_lockstep", [
+        ("if in_twin /= main(lag_g) then", "if in_twin(0) /= main(lag_g)(0) then", "difference_is_seen_in_a_clock"),
+        ("main(1) <= in_main;", "main(1) <= in_twin;", "equal_copies_are_no_difference"),
+        ("if rst = '1' then", "if rst = '1' and in_twin = in_main then", "reset_is_no_difference"),
+    ]),
     ("timeout", "gc_timeout", [
         ("not (is_short or restart or rst)", "not (is_short or rst)", "not_sooner"),
         ("in_next    => std_ulogic_vector(next_quiet)", "in_next    => std_ulogic_vector(quiet)",

@@ -47,6 +47,8 @@ entity gc_core_side is
     brake_fed     : in    std_ulogic_vector(inputs_c - 1 downto 0);
     -- The host's clock stands, or this one stood.
     in_clock_bad  : in    std_ulogic;
+    -- What this puts out is not what its copy does.
+    in_core_bad   : in    std_ulogic;
     -- Settings; their commands and loads count only with in_valid.
     in_valid      : in    std_ulogic;
     in_settings   : in    settings_t;
@@ -302,7 +304,7 @@ begin
       in_crc_bad            => load_bad,
       in_rom_bad            => rom_bad,
       in_clock_bad          => in_clock_bad,
-      in_core_bad           => '0',
+      in_core_bad           => in_core_bad,
       in_upset              => setting_bad,
       brake_fed             => brake_fed,
       cfg_count_low         => window_low,

@@ -40,7 +40,10 @@ entity gc_system is
     -- Whether each brake is tested before all are released; takes the other two.
     brake_test_g      : boolean := false;
     -- Whether settings, time-outs and remembered faults are watched for wrong bits.
-    guard_g           : boolean := true
+    guard_g           : boolean := true;
+    -- Whether there is a second core, see gc_core_twin, without which nothing moves; it takes twice the area. Pins then
+    -- come two clocks later.
+    twin_g            : boolean := false
   );
   port (
     s_axi_aclk    : in    std_ulogic;
@@ -109,9 +112,24 @@ architecture rtl of gc_system is
   signal state_valid        : std_ulogic;
   signal core_alive         : std_ulogic;
   signal bus_lost           : std_ulogic;
+  signal core_valid         : std_ulogic;
+  signal core_current       : signed(outputs_c * current_bits_c - 1 downto 0);
   signal core_enable        : std_ulogic;
   signal core_release       : axes_t;
   signal core_engage        : axes_t;
+  signal core_differs       : std_ulogic;
+  -- What the cores agree on.
+  signal agreed_enable      : std_ulogic;
+  signal agreed_release     : axes_t;
+  signal agreed_engage      : axes_t;
+  signal pins               : std_ulogic_vector(5 * axes_c downto 0);
+  signal core_pins          : std_ulogic_vector(5 * axes_c downto 0);
+  signal core_a             : axes_t;
+  signal core_b             : axes_t;
+  signal core_z             : axes_t;
+  signal core_error         : axes_t;
+  signal core_fed           : axes_t;
+  signal core_estop_n       : std_ulogic;
 
 begin
 
@@ -194,6 +212,14 @@ begin
       out_data  => core_settings_word
     );
 
+  pins <= estop_n & brake_fed & pin_error & pin_z & pin_b & pin_a;
+  core_estop_n <= core_pins(5 * axes_c);
+  core_fed <= core_pins(5 * axes_c - 1 downto 4 * axes_c);
+  core_error <= core_pins(4 * axes_c - 1 downto 3 * axes_c);
+  core_z <= core_pins(3 * axes_c - 1 downto 2 * axes_c);
+  core_b <= core_pins(2 * axes_c - 1 downto axes_c);
+  core_a <= core_pins(axes_c - 1 downto 0);
+
   i_core_side : entity work.gc_core_side
     generic map (
       lanes_g           => lanes_g,
@@ -210,23 +236,93 @@ begin
     port map (
       clk           => clk,
       rst           => rst,
-      pin_a         => pin_a,
-      pin_b         => pin_b,
-      pin_z         => pin_z,
-      pin_error     => pin_error,
-      estop_n       => estop_n,
-      brake_fed     => brake_fed,
+      pin_a         => core_a,
+      pin_b         => core_b,
+      pin_z         => core_z,
+      pin_error     => core_error,
+      estop_n       => core_estop_n,
+      brake_fed     => core_fed,
       in_clock_bad  => bus_lost,
+      in_core_bad   => core_differs,
       in_valid      => settings_valid,
       in_settings   => core_settings,
-      drive_valid   => drive_valid,
-      drive_current => drive_current,
+      drive_valid   => core_valid,
+      drive_current => core_current,
       drive_enable  => core_enable,
       brake_release => core_release,
       brake_engage  => core_engage,
       out_valid     => state_valid,
       out_state     => core_state
     );
+
+  g_twin : if twin_g generate
+    signal twin_enable  : std_ulogic;
+    signal twin_release : axes_t;
+    signal twin_engage  : axes_t;
+  begin
+
+    i_pins : entity work.gc_synchronizer
+      generic map (
+        width_g => pins'length
+      )
+      port map (
+        clk        => clk,
+        rst        => '0',
+        async_data => pins,
+        out_valid  => open,
+        out_data   => core_pins
+      );
+
+    i_core_twin : entity work.gc_core_twin
+      generic map (
+        lanes_g           => lanes_g,
+        filter_samples_g  => filter_samples_g,
+        speed_timeout_g   => speed_timeout_g,
+        reversal_clocks_g => reversal_clocks_g,
+        dither_clocks_g   => dither_clocks_g,
+        loadable_g        => loadable_g,
+        two_paths_g       => two_paths_g,
+        brake_feedback_g  => brake_feedback_g,
+        brake_test_g      => brake_test_g,
+        guard_g           => guard_g
+      )
+      port map (
+        clk           => clk,
+        rst           => rst,
+        pin_a         => core_a,
+        pin_b         => core_b,
+        pin_z         => core_z,
+        pin_error     => core_error,
+        estop_n       => core_estop_n,
+        brake_fed     => core_fed,
+        in_clock_bad  => bus_lost,
+        in_core_bad   => core_differs,
+        in_valid      => settings_valid,
+        in_settings   => core_settings,
+        main_valid    => core_valid,
+        main_current  => core_current,
+        main_enable   => core_enable,
+        main_release  => core_release,
+        main_engage   => core_engage,
+        drive_enable  => twin_enable,
+        brake_release => twin_release,
+        brake_engage  => twin_engage,
+        out_differ    => core_differs
+      );
+
+    agreed_enable <= core_enable and twin_enable;
+    agreed_release <= core_release and twin_release;
+    agreed_engage <= core_engage or twin_engage;
+  else generate
+    core_pins <= pins;
+    core_differs <= '0';
+    agreed_enable <= core_enable;
+    agreed_release <= core_release;
+    agreed_engage <= core_engage;
+  end generate g_twin;
+
+  drive_valid <= core_valid;
+  drive_current <= core_current;
 
   g_clock_watch : if clock_watch_g > 0 generate
 
@@ -251,9 +347,9 @@ begin
 
   -- A core whose clock stands keeps what it said last: a register of the other clock has the last word. Each output is
   -- one gate behind two registers, of which one changes at a time, so nothing comes out that neither says.
-  drive_enable <= core_enable and core_alive;
-  brake_release <= core_release when core_alive = '1' else (others => '0');
-  brake_engage <= core_engage when core_alive = '1' else (others => '1');
+  drive_enable <= agreed_enable and core_alive;
+  brake_release <= agreed_release when core_alive = '1' else (others => '0');
+  brake_engage <= agreed_engage when core_alive = '1' else (others => '1');
 
   core_state_word <= to_word(core_state);
   axi_state <= to_state(axi_state_word);

@@ -20,7 +20,8 @@ entity gc_system_bench is
     two_paths_g      : boolean := true;
     brake_feedback_g : boolean := false;
     brake_test_g     : boolean := false;
-    guard_g          : boolean := true
+    guard_g          : boolean := true;
+    twin_g           : boolean := false
   );
   port (
     s_axi_aclk      : in    std_ulogic;
@@ -130,7 +131,8 @@ begin
       two_paths_g      => two_paths_g,
       brake_feedback_g => brake_feedback_g,
       brake_test_g     => brake_test_g,
-      guard_g          => guard_g
+      guard_g          => guard_g,
+      twin_g           => twin_g
     )
     port map (
       s_axi_aclk    => s_axi_aclk,

@@ -7,7 +7,7 @@
 //   c N              N clocks of the core pass                     e A B C     encoders begin here, counts: no edge is made
 //   i A B C          indices, counts                               t A B C     targets of the encoders: walked to, then OK
 //   @ N              in hold the host waits for clock N of its loop, then does what follows till the next @
-//   + AXIS STEP      in hold the encoder moves by STEP             x STORE     a register to tell of when a run ends
+//   + AXIS STEP      in hold the encoder moves by STEP             x STORE     the register of the latched causes
 //   h LOOP HORIZON STRIDE SHIFT MOMENT...
 //                    hold: runs without a fault, saved at the MOMENTs; answers, per register, the bits that changed and,
 //                    per memory, the words that were read; w, r between @ and h are the host's loop of LOOP clocks
@@ -15,6 +15,7 @@
 //                    flip one bit at a moment, then HORIZON clocks; answers as answer() says
 //   p MOMENT STORE WORD BIT
 //                    the same, but ends as soon as the flip has reached another instance
+// It ends sooner once the brakes have been engaged and the command off for a while with a cause latched: nobody clears it.
 // A command that comes up to SHIFT clocks sooner or later than without a fault is not wrong.
 // Every STRIDE clocks all state is compared with that of the run without a fault; a run that has none left ends there.
 // Numbers are decimal.
@@ -175,13 +176,21 @@ struct Outputs {
   int32_t command[axes];
   // range of the command, SHIFT clocks before to after; of runs without a fault
   int32_t low[axes], high[axes];
+  // which brakes the two paths release, side by side
   uint8_t brakes, enable;
+  uint8_t released() const { return brakes & brakes >> axes; }
 };
+
+// Brakes that the second path releases; the first one's, where there is no second.
+template <class T> static uint8_t second_path(const T &model) {
+  if constexpr (requires { model.brake_engage; }) return ~model.brake_engage & ((1 << axes) - 1);
+  else return model.brake_release;
+}
 
 static Outputs outputs() {
   Outputs now{};
   for (int i = 0; i < axes; i++) now.command[i] = top->drive_current[i];
-  now.brakes = top->brake_release, now.enable = top->drive_enable;
+  now.brakes = top->brake_release | second_path(*top) << axes, now.enable = top->drive_enable;
   return now;
 }
 
@@ -219,7 +228,8 @@ static std::vector<Saved> saved;
 static std::vector<Outputs> golden;
 static std::vector<Snapshot> snapshots;
 static std::vector<uint8_t> golden_memories;
-static std::vector<uint32_t> watched;
+static uint32_t watched;
+static constexpr long settled_clocks = 4000;
 static uint64_t horizon, stride, shift;
 
 // Range of the commands around each clock.
@@ -288,17 +298,24 @@ static std::vector<uint32_t> differing(const std::vector<uint8_t> &good) {
 
 static bool same_world(const World &a, const World &b) { return !std::memcmp(&a, &b, sizeof a); }
 
+// The causes that are latched.
+static uint32_t latched() {
+  uint32_t value = 0;
+  std::memcpy(&value, stores[watched].data, std::min<size_t>(sizeof value, stores[watched].element));
+  return value;
+}
+
 struct Answer {
   bool converged, reaches, released_wrongly;
   uint64_t clocks;
-  long largest[axes], wrong, first_wrong, brakes_longest, brakes_run;
+  long largest[axes], wrong, first_wrong, brakes_longest, brakes_run, off_run;
 };
 
 // What this clock adds to the answer.
 static void compare(Answer &answer, const Outputs &good) {
   Outputs now = outputs();
   // A command counts while it can move an axis or pushes against a closed brake; one that was stopped does not.
-  bool stopped = !now.enable && !now.brakes, wrong = false;
+  bool stopped = !now.enable && !now.released(), wrong = false;
   for (int i = 0; i < axes && !stopped; i++) {
     long command = now.command[i], low = good.low[i], high = good.high[i];
     long difference = std::max({low - command, command - high, 0L});
@@ -311,23 +328,20 @@ static void compare(Answer &answer, const Outputs &good) {
   bool brakes = now.brakes != good.brakes || now.enable != good.enable;
   answer.brakes_run = brakes ? answer.brakes_run + 1 : 0;
   answer.brakes_longest = std::max(answer.brakes_longest, answer.brakes_run);
-  answer.released_wrongly |= (now.brakes & ~good.brakes) != 0;
+  answer.released_wrongly |= (now.released() & ~good.released()) != 0;
+  answer.off_run = stopped && latched() ? answer.off_run + 1 : 0;
   answer.reaches |= brakes || std::memcmp(now.command, good.command, sizeof now.command);
 }
 
 // Converged to the run without a fault, clocks, reached another instance; per axis the largest difference of a command,
 // uA; clocks with a command more than 1 % off and the first of them; longest time, clocks, that brake and enable pins
-// differ; whether a brake was released that should not be; pins at the end, watched registers, differing stores.
+// differ; whether a brake was released that should not be; pins and causes at the end, differing stores.
 static void answer(const Answer &a, const std::vector<uint32_t> &left) {
   Outputs end = outputs();
   std::printf("%d %llu %d", a.converged, static_cast<unsigned long long>(a.clocks), a.reaches);
   for (long value : a.largest) std::printf(" %ld", value);
-  std::printf(" %ld %ld %ld %d %d %d", a.wrong, a.first_wrong, a.brakes_longest, a.released_wrongly, end.brakes, end.enable);
-  for (uint32_t store : watched) {
-    uint32_t value = 0;
-    std::memcpy(&value, stores[store].data, std::min<size_t>(sizeof value, stores[store].element));
-    std::printf(" %u", value);
-  }
+  std::printf(" %ld %ld %ld %d %d %d", a.wrong, a.first_wrong, a.brakes_longest, a.released_wrongly, end.released(), end.enable);
+  std::printf(" %u", latched());
   for (size_t k = 0; k < left.size() && k < 8; k++) std::printf(" %u", left[k]);
   std::putchar('\n');
 }
@@ -350,7 +364,7 @@ static void inject(size_t moment, uint32_t store, uint32_t word, uint32_t bit, b
       }
       if (!a.reaches && !equal)
         for (uint32_t n : differing(good.registers)) a.reaches |= stores[n].instance != flipped.instance;
-      if (a.clocks >= horizon || (probe && a.reaches)) {
+      if (a.clocks >= horizon || a.off_run >= settled_clocks || (probe && a.reaches)) {
         left = differing(good.registers);
         break;
       }
@@ -408,7 +422,7 @@ int main() {
       loop_orders.push_back({kind, static_cast<uint32_t>(v[0]), 0, static_cast<int>(v[1])});
     } else if (kind == 'x') {
       numbers(1);
-      watched.push_back(v[0]);
+      watched = v[0];
     } else if (kind == 'h') {
       numbers(4);
       loop_clocks = v[0], horizon = v[1], stride = v[2], shift = v[3];

@@ -1,11 +1,13 @@
 """Flip single bits in every register and memory of gc_system while it holds a pose; docs/measured/injection.md."""
 
+from argparse import Namespace
 from pathlib import Path
 
 from tqdm import tqdm
 
 from gravcomp.errors import InputError
 from gravcomp_lab.inject import campaign, report, specimen
+from gravcomp_lab.inject.report import Judged
 from gravcomp_lab.pages import renew
 from gravcomp_lab.simulated.pictures import save_figure
 
@@ -14,6 +16,7 @@ def add_arguments(parser):
     parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
     parser.add_argument("--bench", type=Path, default=Path("tb/inject/bench.cpp"), help="the bench in C++")
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="folder of the network")
+    parser.add_argument("--variant", nargs="+", default=list(campaign.VARIANTS), choices=list(campaign.VARIANTS))
     parser.add_argument("--flips", type=int, default=300, help="of live state, per entity (default 300)")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (default 1)")
     parser.add_argument("--jobs", type=int, default=2, help="benches at a time (default 2)")
@@ -24,26 +27,42 @@ def add_arguments(parser):
 def run(arguments):
     if arguments.flips < 1 or arguments.jobs < 1:
         raise InputError(f"--flips {arguments.flips} --jobs {arguments.jobs}: need one or more of each")
-    made = campaign.prepare(arguments.rtl, arguments.weights, arguments.bench, arguments.out, arguments.seed)
-    live = {name: made.live(name) for name in campaign.SAMPLED_SCENES}
-    exhaustive, sample = made.exhaustive(campaign.EXHAUSTIVE_SCENES), made.sample(live, arguments.flips)
-    print(f"seed {arguments.seed}: {len(exhaustive)} flips of every bit, {len(sample)} of live state", flush=True)
-    with tqdm(total=len(exhaustive) + len(sample), desc="flips") as bar:
-        outcomes = made.run([*exhaustive, *sample], arguments.jobs, bar.update)
-    ua_per_mn, stores = specimen.ua_per_mn(arguments.weights), made.design.stores
-    all_of_it = report.judge(stores, exhaustive, outcomes[: len(exhaustive)], ua_per_mn)
-    drawn = report.judge(stores, sample, outcomes[len(exhaustive) :], ua_per_mn)
-    parts = {
-        "exhaustive": report.table(all_of_it, stores),
-        "sampled": report.table(drawn, stores, campaign.live_bits(live)),
-        "silent": report.silent_table([*all_of_it, *drawn], ua_per_mn),
-        "braked": f"Longest time with a wrong command before the brakes engaged: "
-        f"{report.worst_before_brakes_us([*all_of_it, *drawn]):.1f} us. Seed {arguments.seed}.",
-    }
-    print("\n\n".join(parts.values()))
-    figure = report.picture({"every bit": all_of_it, "live state, drawn": drawn})
+    panels = {}
+    for variant in arguments.variant:
+        parts, every_bit, drawn = _inject(variant, arguments)
+        panels |= {f"{variant}: every bit": every_bit, f"{variant}: live state, drawn": drawn}
+        print("\n\n".join([f"# {variant}", *parts.values()]), flush=True)
+        if arguments.docs:
+            for part, text in parts.items():
+                renew(arguments.docs / "injection.md", f"{variant} {part}", text)
+    figure = report.picture(panels)
     save_figure(figure, arguments.out / "injection.png")
     if arguments.docs:
-        for part, text in parts.items():
-            renew(arguments.docs / "injection.md", part, text)
         save_figure(figure, arguments.docs / "figures" / "injection.png")
+
+
+def _inject(variant: str, arguments: Namespace) -> tuple[dict[str, str], list[Judged], list[Judged]]:
+    """The parts of the page about a variant, and the flips that they are about: every bit, and drawn ones."""
+    made = campaign.prepare(
+        arguments.rtl, arguments.weights, arguments.bench, variant, arguments.out / variant, arguments.seed
+    )
+    live = {name: made.live(name) for name in campaign.SAMPLED_SCENES}
+    exhaustive, sample = made.exhaustive(campaign.EXHAUSTIVE_SCENES, live["rom"]), made.sample(live, arguments.flips)
+    print(
+        f"{variant}, seed {arguments.seed}: {len(exhaustive)} flips of every bit, {len(sample)} of live state",
+        flush=True,
+    )
+    with tqdm(total=len(exhaustive) + len(sample), desc=variant) as bar:
+        outcomes = made.run([*exhaustive, *sample], arguments.jobs, bar.update)
+    ua_per_mn, stores = specimen.ua_per_mn(arguments.weights), made.design.stores
+    every_bit = report.judge(stores, exhaustive, outcomes[: len(exhaustive)], ua_per_mn)
+    drawn = report.judge(stores, sample, outcomes[len(exhaustive) :], ua_per_mn)
+    both = [*every_bit, *drawn]
+    parts = {
+        "exhaustive": report.table(every_bit, stores),
+        "sampled": report.table(drawn, stores, campaign.live_bits(live)),
+        "silent": report.silent_table(both, ua_per_mn),
+        "braked": f"Lanes: {campaign.LANES}. Seed {arguments.seed}. Longest time with a wrong command before the brakes engaged: "
+        f"{report.worst_before_brakes_us(both):.1f} us.",
+    }
+    return parts, every_bit, drawn

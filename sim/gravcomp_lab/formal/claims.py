@@ -81,6 +81,7 @@ CLAIMS = (
     Claim("loader", "gc_loader", induction=1),
     Claim("bank_switch", "gc_bank_switch", induction=1),
     Claim("friction", "gc_friction", {"loadable_g": "true"}, cuts=("sliding_7", "g_load_mu_7"), induction=12),
+    Claim("lockstep", "gc_lockstep", {"bits_g": 4}, {"BITS": 4}),
     Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
     Claim("interrupts", "gc_bus_side"),
     Claim("force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=16),

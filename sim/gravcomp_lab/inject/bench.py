@@ -21,7 +21,7 @@ class Design:
     stores: list[Store]
 
 
-def build(sources: Sequence[Path], generics: dict[str, int], bench: Path, folder: Path, effort: int = 2) -> Design:
+def build(sources: Sequence[Path], generics: dict[str, int], bench: Path, folder: Path, effort: int = 1) -> Design:
     """Compile gc_system of these VHDL files and a bench into folder. InputError when a tool refuses.
 
     effort: of the C++ compiler; 0 is compiled in a fraction of the time and runs several times slower.
@@ -33,7 +33,23 @@ def build(sources: Sequence[Path], generics: dict[str, int], bench: Path, folder
     write_atomically(verilog, make_public(raw))
     write_atomically(folder / "stores.h", _table(stores))
     flags = f"-O{effort} -std=c++20 -I{folder.resolve()}"
-    options = ["--cc", "--exe", "--build", "-j", "2", "-O3", "--flatten", "--x-initial", "0", "-CFLAGS", flags]
+    options = [
+        "--cc",
+        "--exe",
+        "--build",
+        "-j",
+        "2",
+        "-O3",
+        "--flatten",
+        "--output-split",
+        "20000",
+        "--output-split-cfuncs",
+        "2000",
+        "--x-initial",
+        "0",
+        "-CFLAGS",
+        flags,
+    ]
     options += ["-Wno-lint", "-Wno-INITIALDLY", "-Wno-UNOPTFLAT", "--top-module", TOP, "--Mdir", folder / "verilated"]
     command = ["verilator", *options, "-o", "bench", verilog, bench.resolve()]
     try:

@@ -26,12 +26,19 @@ WINDOW = 6000
 # For whether a flip is seen outside of its instance at all: two ticks.
 PROBE_MOMENTS, PROBE_HORIZON, PROBE_STRIDE = (1504, 1576), 320, 8
 FAULT_LATCH = ("gc_fault_latch", "sts_fault")
-# Every bit of these is flipped: all of the safety chain, brakes, enable and command, and the limits on their way to it.
+# Every bit of these is flipped: all of the safety chain, brakes, enable and command, and the limits on their way to it;
+# of the host's registers those that are live, which leaves out copies for reading.
 EXHAUSTIVE_BELOW = ("i_safety", "i_drive", "i_settings")
 EXHAUSTIVE_ENTITIES = ("gc_registers",)
 CHUNK = 500
 SAMPLED_SCENES, EXHAUSTIVE_SCENES = ("rom", "image"), ("rom", "braked")
-GENERICS = {"lanes_g": 4}
+# gc_system without and with what watches it.
+VARIANTS = {
+    "plain": {"clock_watch_g": 0, "two_paths_g": "false", "guard_g": "false", "twin_g": "false"},
+    "guarded": {"clock_watch_g": 256, "two_paths_g": "true", "guard_g": "true", "twin_g": "true"},
+}
+# Every entity is there with one lane, and the rest only more often with four.
+LANES = 1
 
 
 @dataclass(frozen=True)
@@ -66,12 +73,12 @@ def live_bits(live: dict[str, Live]) -> list[int]:
     return [int(np.logical_or.reduce(bits).sum()) for bits in zip(*(of.bits for of in live.values()), strict=True)]
 
 
-def prepare(rtl: Path, weights: Path, bench_cpp: Path, out: Path, seed: int) -> "Campaign":
-    """Build the design and the scenes in out; what an earlier run found of the same design and bench is used again."""
+def prepare(rtl: Path, weights: Path, bench_cpp: Path, variant: str, out: Path, seed: int) -> "Campaign":
+    """Build a variant and the scenes in out; what an earlier run found of the same design and bench is used again."""
     generated, image = specimen.make_specimen(weights, out / "specimen")
     made = {path.name: path for path in generated}
     sources = [made.get(path.name, path) for path in rtl_sources(rtl)]
-    design = bench.build(sources, GENERICS, bench_cpp, out / "design")
+    design = bench.build(sources, {"lanes_g": LANES, **VARIANTS[variant]}, bench_cpp, out / "design")
     identity = hashlib.sha256((out / "design" / "gc_system.v").read_bytes() + bench_cpp.read_bytes()).hexdigest()[:16]
     scenes = [Scene("rom"), Scene("image", image=image.data), Scene("braked", released=False)]
     return Campaign(design, scenes, seed, out / identity)
@@ -86,10 +93,9 @@ class Campaign:
         rng = np.random.default_rng(seed)
         self.moments = sorted(int(clock) for clock in rng.choice(WINDOW, N_MOMENTS, replace=False))
         latches = [k for k, s in enumerate(design.stores) if (s.entity, s.name) == FAULT_LATCH]
-        if len(latches) != 1:
-            raise InputError(
-                f"{' '.join(FAULT_LATCH)}: {len(latches)} registers of this name; need the one that tells causes"
-            )
+        if not latches:
+            raise InputError(f"{' '.join(FAULT_LATCH)}: no such register; need the one of the causes")
+        # Of two copies the host sees the first.
         self._latch = latches[0]
 
     def live(self, scene: str) -> Live:
@@ -122,14 +128,16 @@ class Campaign:
         session.tell("x", self._latch)
         return hold.hold(session, moments, horizon, stride)
 
-    def exhaustive(self, scenes: Iterable[str]) -> list[Flip]:
+    def exhaustive(self, scenes: Iterable[str], live: Live) -> list[Flip]:
         """Every bit of what is_exhaustive, once per scene, each at a moment drawn by seed."""
         rng = np.random.default_rng(self.seed)
         bits = [
             (k, bit)
-            for k, s in enumerate(self.design.stores)
-            if is_exhaustive(s) and not s.depth
-            for bit in range(s.bits)
+            for k, store in enumerate(self.design.stores)
+            for bit in range(store.bits)
+            if is_exhaustive(store)
+            and not store.depth
+            and (live.bits[k][0, bit] or store.entity not in EXHAUSTIVE_ENTITIES)
         ]
         return [Flip(scene, int(rng.integers(N_MOMENTS)), k, 0, bit) for scene in scenes for k, bit in bits]
 

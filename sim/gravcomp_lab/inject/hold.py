@@ -76,15 +76,15 @@ def settings(identity, index: Sequence[int]) -> Settings:
         margin_counts=100,
         speed_max_counts_per_s=1_000_000,
         current_limit_ua=10_000_000,
-        current_slew_ua=100_000,
+        current_slew_ua=400_000,
         tick_us=TICK_US,
         saturation_us=100,
         watchdog_us=250,
         result_us=50,
         brake_us=10,
-        command_bound_ua=10_000,
+        command_bound_ua=50_000,
         command_us=50,
-        hold_us=110 * TICK_US,
+        hold_us=2000,
     )
 
 
