@@ -82,6 +82,7 @@ def found_in(data: Measurement, effects: Model, noise_n: np.ndarray) -> SimpleNa
         is_test=np.arange(len(before)) % 2 == 0,
         before=before,
         after=noise_n,
+        left_out=np.zeros(before.shape, bool),
         noise_floor=float(noise_n.std()),
     )
 

@@ -42,15 +42,23 @@ module clock_monitor #(
 
   // Clocks of core_clk in a row in which core_alive was '0', STAGES at most.
   reg [2:0] n_told = 0;
+  // As many in which it was '1', one more than STAGES at most; and whether there were so many since a reset of the core.
+  reg [2:0] n_alive = 0;
+  reg was_alive = 0;
   reg rst_1 = 0;
 
   always @(posedge bus_clk) rst_1 <= bus_rst;
   always @(posedge core_clk) n_told <= core_alive ? 0 : n_told < STAGES ? n_told + 1 : n_told;
 
+  always @(posedge core_clk) begin
+    n_alive <= core_rst || !core_alive ? 0 : n_alive <= STAGES ? n_alive + 1 : n_alive;
+    was_alive <= !core_rst && (was_alive || n_alive > STAGES);
+  end
+
   always @* begin
     core_that_stands_is_found : assert (n_bus_low < BUS_CLOCKS && n_bus_high < BUS_CLOCKS || !core_alive);
     bus_that_stands_is_found : assert (n_core_low < CORE_CLOCKS && n_core_high < CORE_CLOCKS || bus_lost);
-    core_that_stood_is_told : assert (n_told < STAGES || bus_lost);
+    core_that_stood_is_told : assert (!was_alive || n_told < STAGES || bus_lost);
     reset_waits_for_the_other_clock : assert (!rst_1 || !core_alive);
   end
 
