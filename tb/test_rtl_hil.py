@@ -25,7 +25,7 @@ from test_rtl_system import ALL_FAULTS, N_AXES, System
 IS_FULL = os.environ.get("HIL") == "full"
 RUNS = FULL if IS_FULL else SHORT
 RESULTS = BUILD / "hil" / ("full" if IS_FULL else "short")
-CLOCKS_PER_STEP = 100  # of a control period, which is a time step of the physics: the core at 100 kHz
+CLOCKS_PER_STEP = 150  # of a control period, which is a time step of the physics: the core at 150 kHz
 CORE_MHZ = CLOCKS_PER_STEP / TIME_STEP_S / 1e6
 AXI_MHZ = 0.97 * CORE_MHZ
 STEP_FS = round(1e15 * TIME_STEP_S)

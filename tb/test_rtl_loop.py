@@ -83,6 +83,11 @@ def found_in(data: Measurement, effects: Model, noise_n: np.ndarray) -> SimpleNa
         before=before,
         after=noise_n,
         left_out=np.zeros(before.shape, bool),
+        noise=SimpleNamespace(rms=float(noise_n.std()), source="known"),
+        fit=SimpleNamespace(effects=()),
+        verdict="explained",
+        **{name: {} for name in ("shares", "untestable")},
+        **{name: () for name in ("alternatives", "drivers", "notes")},
         noise_floor=float(noise_n.std()),
     )
 
