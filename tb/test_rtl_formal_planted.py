@@ -213,11 +213,13 @@ PLANTED = [
     ]),
     ("clock_monitor", "gc_clock_monitor", [
         ("if bus_expired = '1' or bus_rst = '1'", "if bus_rst = '1'", "core_that_stands_is_found"),
-        ("bus_lost <= core_expired or (was_alive and not told_alive);", "bus_lost <= was_alive and not told_alive;", "bus_that_stands_is_found"),
+        ("bus_lost <= core_expired or (was_alive and not told_alive);", "bus_lost <= was_alive and not told_alive;",
+         "bus_that_stands_is_found"),
     ]),
     ("clock_monitor", "gc_clock_monitor", [
         ("if bus_expired = '1' or bus_rst = '1'", "if bus_expired = '1'", "reset_waits_for_the_other_clock"),
-        ("bus_lost <= core_expired or (was_alive and not told_alive);", "bus_lost <= core_expired;", "core_that_stood_is_told"),
+        ("bus_lost <= core_expired or (was_alive and not told_alive);", "bus_lost <= core_expired;",
+         "core_that_stood_is_told"),
     ]),
     ("loader", "gc_loader", [
         ("word = record_words_c(s) - 1", "word = record_words_c(s)", "place_is_that_of_the_words_so_far"),

@@ -62,7 +62,8 @@ def _inject(variant: str, arguments: Namespace) -> tuple[dict[str, str], list[Ju
         "exhaustive": report.table(every_bit, stores),
         "sampled": report.table(drawn, stores, campaign.live_bits(live)),
         "silent": report.silent_table(both, ua_per_mn),
-        "braked": f"Lanes: {campaign.LANES}. Seed {arguments.seed}. Longest time with a wrong command before the brakes engaged: "
+        "braked": f"Lanes: {campaign.LANES}. Seed {arguments.seed}. "
+        "Longest time with a wrong command before the brakes engaged: "
         f"{report.worst_before_brakes_us(both):.1f} us.",
     }
     return parts, every_bit, drawn
