@@ -4,10 +4,12 @@
  * number of results.
  *
  * On a processor with the registers at BASE:   example FILE, or without a file for the weights of the ROM.
+ * gravcomp_machine.h is written by `make rom` beside the ROM (rtl/generated).
  */
 #include <stdio.h>
 
 #include "gravcomp.h"
+#include "gravcomp_machine.h"
 
 #ifdef BASE
 static uint32_t read_memory(void *context, uint32_t offset)
@@ -53,7 +55,9 @@ static int fail(const gravcomp_bus *bus, const char *what)
 int run_example(const gravcomp_bus *bus, const uint8_t *image, uint32_t n_words, int n_results)
 {
     gravcomp_identity identity;
-    gravcomp_settings settings = {
+    const gravcomp_settings settings = {
+        .clock_hz = GRAVCOMP_MACHINE_CLOCK_HZ,
+        .expected_weights = GRAVCOMP_MACHINE_WEIGHTS,
         .index_position = {0, 0, 0},
         .margin_counts = 2000,
         .speed_max_counts_per_s = 500000,
@@ -76,7 +80,6 @@ int run_example(const gravcomp_bus *bus, const uint8_t *image, uint32_t n_words,
     }
     printf("%u neurons, %u per clock, %lu Hz, weights %08lx\n", (unsigned)identity.hidden, (unsigned)identity.lanes,
            (unsigned long)identity.clock_hz, (unsigned long)identity.weights_hash[0]);
-    settings.expected_weights = identity.weights_hash[0]; /* better: the constant that you have tested */
     if (gravcomp_configure(bus, &identity, &settings) != GRAVCOMP_OK) {
         printf("%s\n", gravcomp_complaint(&identity, &settings));
         return 1;

@@ -126,6 +126,9 @@ const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp
     uint64_t ramp = 0;
     uint64_t test = clocks(identity, settings->brake_test_us);
 
+    if (settings->clock_hz != identity->clock_hz) {
+        return "clock_hz: not that of the core; give that of the machine folder of its ROM, or build it with your ROM";
+    }
     if (limit > INT32_MAX) {
         return "current_limit_ua: above 2147483647";
     }
@@ -161,6 +164,9 @@ const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp
 gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity,
                                    const gravcomp_settings *settings)
 {
+    if (settings->clock_hz != identity->clock_hz) {
+        return GRAVCOMP_WRONG_CLOCK;
+    }
     if (is_too_fast(identity, settings)) {
         return GRAVCOMP_TOO_FAST;
     }

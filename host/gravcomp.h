@@ -33,7 +33,8 @@ typedef enum {
     GRAVCOMP_NOT_LOADABLE,  /* the core was built without banks */
     GRAVCOMP_TOO_FAST,      /* speed_max_counts_per_s is more than the core can measure with its encoder filter */
     GRAVCOMP_BAD_PERIOD,    /* index_period is not a multiple of 4 */
-    GRAVCOMP_UNUSABLE       /* the brakes could never be released, see gravcomp_complaint */
+    GRAVCOMP_UNUSABLE,      /* the brakes could never be released, see gravcomp_complaint */
+    GRAVCOMP_WRONG_CLOCK    /* clock_hz is not that of the core: the ROM is another machine's */
 } gravcomp_result;
 
 /* What does not change. */
@@ -49,7 +50,8 @@ typedef struct {
 } gravcomp_identity;
 
 typedef struct {
-    uint32_t expected_weights;                    /* first word of the hash of the weights that the host means */
+    uint32_t clock_hz;                            /* of robot.toml: GRAVCOMP_MACHINE_CLOCK_HZ of `make rom` */
+    uint32_t expected_weights;                    /* first word of the folder's hash: GRAVCOMP_MACHINE_WEIGHTS */
     int32_t index_position[GRAVCOMP_AXES];        /* counts at the index */
     uint32_t index_period[GRAVCOMP_AXES];         /* counts from index to index, a multiple of 4; 0: there is one */
     uint32_t margin_counts;                       /* allowed beyond the trained range */

@@ -10,6 +10,7 @@ from gravcomp.driver.host import AXES, Bus, Identity, Result, Settings, State
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 SOURCES = ("gravcomp.c", "example.c")
+MACHINE = ROOT / "rtl" / "generated"  # gravcomp_machine.h
 
 READ = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)
 WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)
@@ -51,7 +52,7 @@ def compile_host(folder: Path, *options: str) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     library = folder / "libgravcomp.so"
     sources = [ROOT / "host" / name for name in SOURCES]
-    subprocess.run(["cc", *STRICT, *options, "-shared", "-fPIC", "-o", library, *sources], check=True)
+    subprocess.run(["cc", *STRICT, f"-I{MACHINE}", *options, "-shared", "-fPIC", "-o", library, *sources], check=True)
     return library
 
 

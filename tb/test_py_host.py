@@ -1,15 +1,19 @@
 """Settings that the core cannot keep are refused by both drivers, before anything is written."""
 
+import re
 from dataclasses import replace
 
 import pytest
 
 from c_host import CHost, compile_host
-from gravcomp.driver.host import Host, Result
+from gravcomp.core.machine_header import MACHINE_HEADER_FILE
+from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.driver.host import Host, Result, machine_settings
 from gravcomp.driver.registers import read_registers
+from machines import MACHINE, SHIPPED, changed, machine_folder
 from test_rtl_host import SETTINGS
 
-CLOCK_HZ, FILTER_SAMPLES = 40_000_000, 4
+CLOCK_HZ, FILTER_SAMPLES = int(MACHINE.clock_hz), 4
 FASTEST = 4 * CLOCK_HZ // (2 * FILTER_SAMPLES + 1)  # counts/s: a limit of one clock more than the shortest period
 
 
@@ -50,3 +54,28 @@ def test_a_speed_that_cannot_be_measured_is_refused(driver, library):
     for speed, clocks in ((FASTEST, 2 * FILTER_SAMPLES + 1), (1, 160_000_000), (0, 0)):
         assert host.configure(identity, replace(SETTINGS, speed_max_counts_per_s=speed)) == Result.OK
         assert bus.written[bus.period_min] == clocks
+
+
+@pytest.mark.parametrize("driver", ["C", "Python"])
+def test_a_core_of_another_clock_is_refused(driver, library, tmp_path):
+    """Its friction would be 2.5 times that of the machine."""
+    folder = machine_folder(tmp_path / "fast", text=changed(("clock_hz = 40e6", "clock_hz = 100e6")))
+    bus = Memory()
+    host = CHost(library, bus) if driver == "C" else Host(bus)
+    _, identity = host.open()
+    other, own = (replace(SETTINGS, **machine_settings(name)) for name in (folder, SHIPPED))
+    assert (other.clock_hz, own.clock_hz) == (100_000_000, identity.clock_hz)
+    assert host.configure(identity, other) == Result.WRONG_CLOCK
+    assert host.complaint(identity, other).startswith("clock_hz: not that of the core; ")
+    assert not bus.written
+    assert host.configure(identity, own) == Result.OK
+
+
+def test_header_of_a_machine_tells_a_c_driver_what_its_folder_tells_a_python_one(tmp_path):
+    folder = machine_folder(tmp_path / "fast", text=changed(("clock_hz = 40e6", "clock_hz = 100e6")))
+    write_rom(folder, tmp_path)
+    header = (tmp_path / MACHINE_HEADER_FILE).read_text()
+    defined = dict(re.findall(r"#define GRAVCOMP_MACHINE_(\w+) (\w+)u", header))
+    told = machine_settings(folder)
+    assert int(defined["CLOCK_HZ"]) == told["clock_hz"] == 100_000_000
+    assert int(defined["WEIGHTS"], 16) == told["expected_weights"]

@@ -13,10 +13,10 @@ from cocotb.task import bridge, resume
 
 from axi import SimulatedBus
 from c_host import CHost, compile_host
-from codes import ROOT, fixed_network, hash_under_test, pack
+from codes import ROOT, fixed_network, pack, weights_under_test
 from gravcomp.cli import main
 from gravcomp.core.formats import COUNT_BITS
-from gravcomp.driver.host import Brakes, Event, Host, Identity, Result, Settings, State
+from gravcomp.driver.host import WRONG_CLOCK, Brakes, Event, Host, Identity, Result, Settings, State, machine_settings
 from gravcomp.driver.registers import read_registers
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
@@ -33,7 +33,7 @@ SHORT_IMAGE = bytes(range(256)) * 2
 SPEED_TIMEOUT = 100  # clocks to standstill
 STILL = 2**31 - 1  # speed_period then
 SETTINGS = Settings(
-    expected_weights=int(hash_under_test()[:8], 16),
+    **machine_settings(weights_under_test()),
     index_position=tuple(INDEX.tolist()),
     index_period=(0, 4000, 400),
     margin_counts=100,
@@ -241,6 +241,7 @@ def test_host_example_loads_homes_releases_and_prints_forces():
 
 TOO_SHORT = "hold_us: shorter than the slew from 0 to current_limit_ua, brake_us and the test of the brakes"
 UNUSABLE = [
+    ({"clock_hz": 100_000_000}, WRONG_CLOCK),
     ({"current_limit_ua": 0}, "current_limit_ua: 0 carries no load"),
     ({"current_slew_ua": 0}, "current_slew_ua: 0 never reaches current_limit_ua"),
     ({"index_period": (4, 4, 2)}, "index_period: not a multiple of 4"),

@@ -12,10 +12,10 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, with_timeout
 from cocotb.utils import get_sim_time
 
 from axi import BusError, Registers, SimulatedBus
-from codes import fixed_compensation, fixed_network, hash_under_test, pack, unpack
+from codes import fixed_compensation, fixed_network, hash_under_test, pack, unpack, weights_under_test
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.core.image import Image
-from gravcomp.driver.host import Host, Result, Settings
+from gravcomp.driver.host import Host, Result, Settings, machine_settings
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
 from gravcomp.twin.safety import Cause
@@ -600,7 +600,7 @@ async def the_slowest_legal_slew_releases_the_brakes(dut):
 def release_slowly(host: Host, home_near) -> None:
     _, identity = host.open()
     settings = Settings(
-        expected_weights=identity.weights_hash[0], index_position=(2002, -3002, 4002), index_period=(0, 0, 0),
+        **machine_settings(weights_under_test()), index_position=(2002, -3002, 4002), index_period=(0, 0, 0),
         margin_counts=100,
         speed_max_counts_per_s=15_000_000, current_limit_ua=1_150_000, current_slew_ua=1, tick_us=4, saturation_us=200,
         watchdog_us=10_000, result_us=200, brake_us=10, command_bound_ua=100, command_us=10, hold_us=200,

@@ -7,9 +7,12 @@ what `gravcomp image` writes.
 import zlib
 from dataclasses import dataclass, fields
 from enum import IntEnum, IntFlag
+from pathlib import Path
 from typing import Protocol
 
+from gravcomp.core.folder import folder_hash
 from gravcomp.driver.registers import read_registers
+from gravcomp.robot.machine import load_machine
 from gravcomp.twin.encoder import DecoderConfig
 
 AXES = 3
@@ -18,6 +21,7 @@ WORD_MAX = 2**32 - 1
 PERIOD_MAX = MAGNITUDE_MAX = 2**31 - 1
 LOAD_KEY = 0x4B455953
 WORDS_PER_KICK = 64
+WRONG_CLOCK = "clock_hz: not that of the core; give that of the machine folder of its ROM, or build it with your ROM"
 
 
 class Bus(Protocol):
@@ -33,7 +37,8 @@ class Result(IntEnum):
 
     TOO_FAST: Settings.speed_max_counts_per_s is more than the core can measure with its encoder filter. BAD_PERIOD:
     Settings.index_period is not a multiple of 4.
-    UNUSABLE: settings with which the brakes can never be released, see complaint.
+    UNUSABLE: settings with which the brakes can never be released, see complaint. WRONG_CLOCK: Settings.clock_hz is not
+    that of the core.
     """
 
     OK = 0
@@ -46,6 +51,7 @@ class Result(IntEnum):
     TOO_FAST = 7
     BAD_PERIOD = 8
     UNUSABLE = 9
+    WRONG_CLOCK = 10
 
 
 class Brakes(IntEnum):
@@ -85,7 +91,8 @@ class Identity:
 
 @dataclass(frozen=True)
 class Settings:
-    """Limits and times; expected_weights is the first word of the hash of the weights that the host means.
+    """Limits and times; clock_hz and expected_weights, the first word of its hash, are those of the machine folder that
+    the host means, see machine_settings.
 
     index_period: counts from index to index, 0 where there is one. speed_max_counts_per_s: 0 allows no motion.
     margin_counts: allowed beyond the trained range. current_slew_ua: per result. brake_us: for a brake to close and for
@@ -94,6 +101,7 @@ class Settings:
     brake_test_us is that of a phase of the test of a brake, 0 without a test.
     """
 
+    clock_hz: int
     expected_weights: int
     index_position: tuple[int, ...]
     index_period: tuple[int, ...]
@@ -144,6 +152,12 @@ class State:
     first_position: tuple[int, ...]
 
 
+def machine_settings(folder: Path | str) -> dict[str, int]:
+    """What the Settings of a machine folder's core hold of it. Raises InputError as load_machine and folder_hash do."""
+    machine = load_machine(folder)
+    return {"clock_hz": int(machine.clock_hz), "expected_weights": int(folder_hash(folder, machine)[:8], 16)}
+
+
 _STATUS = {"brakes": "state", "released": "released", "run": "run", "busy": "busy"}
 
 
@@ -173,6 +187,8 @@ class Host:
 
     def complaint(self, identity: Identity, settings: Settings) -> str | None:
         hz, limit, slew = identity.clock_hz, settings.current_limit_ua, settings.current_slew_ua
+        if settings.clock_hz != hz:
+            return WRONG_CLOCK
         for name in ("current_limit_ua", "current_slew_ua", "command_bound_ua"):
             if getattr(settings, name) > MAGNITUDE_MAX:
                 return f"{name}: above 2147483647"
@@ -197,6 +213,8 @@ class Host:
         return settings.speed_max_counts_per_s > 0 and _period_min(identity, settings) <= shortest
 
     def configure(self, identity: Identity, settings: Settings) -> Result:
+        if settings.clock_hz != identity.clock_hz:
+            return Result.WRONG_CLOCK
         if self._is_too_fast(identity, settings):
             return Result.TOO_FAST
         if any(period % 4 for period in settings.index_period):

@@ -70,6 +70,7 @@ def bring_up(session: Session, scene: Scene) -> None:
 def settings(identity, index: Sequence[int]) -> Settings:
     """Limits that the pose does not exceed; time-outs that all end well within a run after a fault."""
     return Settings(
+        clock_hz=identity.clock_hz,
         expected_weights=identity.weights_hash[0],
         index_position=tuple(index),
         index_period=(0,) * len(index),

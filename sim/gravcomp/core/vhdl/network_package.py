@@ -7,6 +7,7 @@ import numpy as np
 from gravcomp.core import formats as q
 from gravcomp.core.folder import folder_hash, load_folder
 from gravcomp.core.formats import FixedNetwork, quantise
+from gravcomp.core.machine_header import MACHINE_HEADER_FILE, machine_header_text
 from gravcomp.core.vhdl.compensation_package import COMPENSATION_PACKAGE_FILE, compensation_package_text
 from gravcomp.files import write_all_atomically
 from gravcomp.twin.precision import Precision, certified, precision
@@ -15,7 +16,7 @@ PACKAGE_FILE = "gc_network_pkg.vhd"
 
 
 def rom_files(folder: Path | str) -> dict[str, str]:
-    """The generated packages of a machine folder, text by file name.
+    """The generated packages of a machine folder and its C header, text by file name.
 
     Raises InputError as load_folder does, when the hardware cannot hold a value, or when the formats cost too much.
     """
@@ -46,6 +47,7 @@ def _rom_files(folder: Path | str) -> tuple[dict[str, str], Precision]:
     texts = {
         PACKAGE_FILE: package_text(fixed, sha256, content.machine.clock_hz, Path(folder).name),
         COMPENSATION_PACKAGE_FILE: compensation_package_text(folder, content.compensation, drive),
+        MACHINE_HEADER_FILE: machine_header_text(content.machine, sha256, Path(folder).name),
     }
     return texts, cost
 
