@@ -4,7 +4,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 out=${1:-.}
-version=$(.venv/bin/python -c 'from importlib.metadata import version; print(version("gravcomp"))')
+version=$(.venv/bin/python -c 'import gravcomp; print(gravcomp.__version__)')
 properties=$(.venv/bin/python -c 'import importlib.resources as r; print(r.files("peakrdl_regblock_vhdl") / "hdl_src")')
 peakrdl() {
     exporter=$1

@@ -385,6 +385,6 @@ def test_seed_that_is_none_is_refused(tmp_path, capsys, robot_log, seed):
 
 def test_folder_is_looked_at_before_the_work(tmp_path, capsys, robot_log, monkeypatch):
     (tmp_path / "out").write_text("a file")
-    monkeypatch.setattr("gravcomp.commands.diagnose.diagnose", lambda *a: pytest.fail("the work was begun"))
+    monkeypatch.setattr("gravcomp.diagnosis.diagnosis.diagnose", lambda *a: pytest.fail("the work was begun"))
     diagnosed(tmp_path, robot_log, status=2)
     assert "is a file; give a folder" in capsys.readouterr().err

@@ -135,7 +135,7 @@ def test_one_start_reaches_0_02_within_thirty_cpu_seconds():
 
 
 def test_command_writes_a_folder_that_loads_with_its_provenance(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("gravcomp.commands.train.Effort", lambda: SHORT)
+    monkeypatch.setattr("gravcomp.training.training.Effort", lambda: SHORT)
     arguments = [
         "--robot",
         str(SHIPPED),

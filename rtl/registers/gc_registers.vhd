@@ -2598,7 +2598,7 @@ begin
         end if;
         if rd_mux_addr = 16#4# then
             readback_data_var(7 downto 0) := 8x"0";
-            readback_data_var(15 downto 8) := 8x"1";
+            readback_data_var(15 downto 8) := 8x"2";
             readback_data_var(23 downto 16) := 8x"0";
         end if;
         if rd_mux_addr = 16#8# then

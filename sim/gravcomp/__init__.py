@@ -4,3 +4,5 @@ Read in this order: ``robot`` (physics), ``network`` and ``training``, ``core`` 
 bit-true models), ``logs`` (measured data), ``diagnosis`` (what a model lacks), ``loop`` (that into the hardware),
 ``prototype``, ``driver``.
 """
+
+__version__ = "0.2.0"

@@ -4,14 +4,18 @@ Bad input of any kind ends in one line on standard error and exit status 2.
 """
 
 import argparse
+import ast
 import importlib
+import importlib.util
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
+from gravcomp import __version__
 from gravcomp.errors import InputError
 
 # In the order of the work.
-COMMANDS = ("train", "adopt", "formats", "rom", "image", "diagnose", "loop", "loop-report", "measure", "import")
+COMMANDS = ("diagnose", "import", "train", "adopt", "formats", "rom", "image", "loop", "loop-report", "measure")
 
 
 class _OneLineParser(argparse.ArgumentParser):
@@ -25,17 +29,25 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def run(program: str, description: str, package: str, commands: Sequence[str], argv: list[str] | None) -> int:
-    """Run one of a program's commands, each a module of package; returns the exit status."""
+    """Run one of a program's commands, each a module of package; returns the exit status.
+
+    Only the module of the command that is run is imported: the help of all others is read from their source.
+    """
+    argv = sys.argv[1:] if argv is None else argv
+    chosen = next((word for word in argv if not word.startswith("-")), None)
     parser = _OneLineParser(prog=program, description=description)
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="command")
-    modules = {}
     for command in commands:
-        modules[command] = module = importlib.import_module(f"{package}.{_module_name(command)}")
-        summary = module.__doc__.strip().splitlines()[0]
-        module.add_arguments(subparsers.add_parser(command, help=summary, description=module.__doc__))
+        name = f"{package}.{_module_name(command)}"
+        text = _docstring(name)
+        subparser = subparsers.add_parser(command, help=text.splitlines()[0], description=text)
+        if command == chosen:
+            module = importlib.import_module(name)
+            module.add_arguments(subparser)
     arguments = parser.parse_args(argv)
     try:
-        modules[arguments.command].run(arguments)
+        module.run(arguments)
     except InputError as error:
         print(f"{program} {arguments.command}: {error}", file=sys.stderr)
         return 2
@@ -49,5 +61,7 @@ def _module_name(command: str) -> str:
     return "import_" if command == "import" else command.replace("-", "_")
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def _docstring(module: str) -> str:
+    """The docstring of a module that is not imported for it."""
+    source = Path(importlib.util.find_spec(module).origin).read_text(encoding="utf-8")
+    return ast.get_docstring(ast.parse(source))

@@ -4,9 +4,10 @@ from functools import cache
 from pathlib import Path
 
 from gravcomp.robot.machine import Machine, load_machine
+from gravcomp.shipped import shipped
 
 ROOT = Path(__file__).resolve().parents[2]
-SPHEIRO = ROOT / "weights" / "spheiro"
+SPHEIRO = shipped("weights/spheiro")
 
 
 @cache

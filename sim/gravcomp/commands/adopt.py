@@ -5,11 +5,7 @@ The folder is then known to belong together, until robot.toml changes.
 
 from pathlib import Path
 
-from gravcomp.core.provenance import write_provenance
 from gravcomp.errors import InputError
-from gravcomp.network.weights import SCALING_CSV, load_network
-from gravcomp.robot.machine import load_machine
-from gravcomp.training.training import N_TEST_POSES, evaluate, workspace_set
 
 _SEED = 2
 # RMS error, of the RMS effort: more is another machine, another unit, or another activation than robot.toml says.
@@ -21,6 +17,11 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    from gravcomp.core.provenance import write_provenance
+    from gravcomp.network.weights import SCALING_CSV, load_network
+    from gravcomp.robot.machine import load_machine
+    from gravcomp.training.training import N_TEST_POSES, evaluate, workspace_set
+
     folder = arguments.weights
     machine, network = load_machine(folder), load_network(folder)
     if network.position_units != machine.position_units:

@@ -6,14 +6,7 @@ Writes report.json, model.toml and report.html to the folder of --out. Exit stat
 import argparse
 from pathlib import Path
 
-from tqdm import tqdm
-
-from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
-from gravcomp.diagnosis.model import Model, load_model, model_toml
-from gravcomp.diagnosis.report import report, report_json, table, words
-from gravcomp.diagnosis.report_html import report_html
 from gravcomp.files import check_folder, write_all_atomically
-from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.units import parse_units
 
 _STEPS = 7
@@ -47,8 +40,16 @@ def run(arguments):
     diagnose_log(arguments, arguments.robot)
 
 
-def diagnose_log(arguments, robot: Path | None) -> tuple[Diagnosis, Model]:
+def diagnose_log(arguments, robot: Path | None) -> tuple:
     """Diagnose a log, write its report to a folder and print it; the diagnosis, and the model with what was found."""
+    from tqdm import tqdm
+
+    from gravcomp.diagnosis.diagnosis import diagnose
+    from gravcomp.diagnosis.model import Model, load_model, model_toml
+    from gravcomp.diagnosis.report import report, report_json, table, words
+    from gravcomp.diagnosis.report_html import report_html
+    from gravcomp.logs.csv_reader import read_measurement
+
     check_folder(arguments.out)
     model = load_model(robot) if robot else Model()
     data = read_measurement(arguments.data, model.machine, parse_units(arguments.units))

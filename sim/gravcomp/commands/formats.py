@@ -2,13 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
-
-from gravcomp.core.folder import load_folder
-from gravcomp.core.formats import quantise
-from gravcomp.twin.bounds import fixed_point_error_mn, intervals
-from gravcomp.twin.precision import certified, precision
-
 N_POSES, SEED = 20000, 41
 
 
@@ -17,6 +10,13 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    import numpy as np
+
+    from gravcomp.core.folder import load_folder
+    from gravcomp.core.formats import quantise
+    from gravcomp.twin.bounds import fixed_point_error_mn, intervals
+    from gravcomp.twin.precision import certified, precision
+
     content = load_folder(arguments.weights)
     network, machine = content.network, content.machine
     fixed = quantise(network, machine.drive, arguments.weights)

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from gravcomp.core.image import load_image
 from gravcomp.files import write_atomically
 
 
@@ -13,6 +12,8 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    from gravcomp.core.image import load_image
+
     image = load_image(arguments.weights, arguments.rom)
     write_atomically(arguments.out, image.data)
     print(f"{arguments.out}: {len(image.words)} words, CRC-32 0x{image.crc32:08X}, written from {arguments.weights}; "

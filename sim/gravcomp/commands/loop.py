@@ -10,10 +10,7 @@ from pathlib import Path
 
 from gravcomp.commands.diagnose import diagnose_log, seed
 from gravcomp.files import write_all_atomically
-from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.units import parse_units
-from gravcomp.loop.loop import check_robot, close_loop, weights_folder
-from gravcomp.robot.machine import load_machine
 
 
 def add_arguments(parser):
@@ -27,6 +24,10 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    from gravcomp.logs.csv_reader import read_measurement
+    from gravcomp.loop.loop import check_robot, close_loop, weights_folder
+    from gravcomp.robot.machine import load_machine
+
     machine, units = load_machine(arguments.weights), parse_units(arguments.units)
     check_robot(read_measurement(arguments.data, machine, units), arguments.weights)
     found, grown = diagnose_log(arguments, arguments.weights)

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from gravcomp.loop.loop import RUNS, error_table, noise_floor_n
-
 
 def add_arguments(parser):
     parser.add_argument("--loop", type=Path, default=Path("build/loop"), help="folder (default %(default)s)")
 
 
 def run(arguments):
+    from gravcomp.loop.loop import RUNS, error_table, noise_floor_n
+
     table, noise_n = error_table(arguments.loop), noise_floor_n(arguments.loop)
     print("| held-out samples | before: RMS, N | max, N | ave, % | after: RMS, N | max, N | ave, % |")
     print("|---|---|---|---|---|---|---|")

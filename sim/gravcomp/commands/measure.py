@@ -3,15 +3,10 @@
 The CSV tells nothing of what was put in; LOG.sealed.json does, and no diagnosis reads it.
 """
 
-import numpy as np
+import math
 
 from gravcomp.errors import InputError
-from gravcomp.prototype.experiment import DEFAULT_NOISE_N, MODES, measure, write_measurement
-from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED, Effect
-from gravcomp.robot.machine import load_machine
-
-# Inertia is asked for by name, with a --speed that shows it.
-RANDOM = {"random": [name for name in LISTED if name != "inertia"], "random_unlisted": UNLISTED}
+from gravcomp.prototype import DEFAULT_NOISE_N, MODES
 
 
 def add_arguments(parser):
@@ -19,7 +14,7 @@ def add_arguments(parser):
         "--effect",
         action="append",
         metavar="NAME[:PARAM=VALUE,...]",
-        help=f"what the model lacks; repeatable; none, random, random_unlisted, {', '.join(EFFECTS)}",
+        help="what the model lacks; repeatable; none, random, random_unlisted, or a name: one not known lists all",
     )
     parser.add_argument("--seed", type=int, default=0, help="of poses, path, noise and random effects (default 0)")
     parser.add_argument("--out", required=True, metavar="LOG.csv", help="where to write")
@@ -32,7 +27,13 @@ def add_arguments(parser):
 
 
 def run(arguments):
-    if arguments.seed < 0 or not 0 <= arguments.noise < np.inf or not 0 < arguments.speed <= 100:
+    import numpy as np
+
+    from gravcomp.prototype.experiment import measure, write_measurement
+    from gravcomp.prototype.imperfections import parse_effect
+    from gravcomp.robot.machine import load_machine
+
+    if arguments.seed < 0 or not 0 <= arguments.noise < math.inf or not 0 < arguments.speed <= 100:
         raise InputError("--seed and --noise must not be negative or infinite, --speed must be in 0..100; correct them")
     machine = load_machine(arguments.robot)
     rng = np.random.default_rng([arguments.seed, 1])
@@ -50,22 +51,3 @@ def run(arguments):
     sealed = write_measurement(arguments.out, log, effects, machine, noise_n=arguments.noise, **facts)
     print(f"{arguments.out}: {arguments.points} samples, mode {arguments.mode}, seed {arguments.seed}")
     print(f"{sealed}: the answer; open it after the diagnosis")
-
-
-def parse_effect(text: str, rng: np.random.Generator) -> list[Effect]:
-    """Effects named by one --effect: none, one drawn at random, or one by name and parameters. Raises InputError."""
-    name, _, settings = text.partition(":")
-    if name == "none":
-        return []
-    if name in RANDOM:
-        return [EFFECTS[str(rng.choice(RANDOM[name]))].draw(rng)]
-    if name not in EFFECTS:
-        raise InputError(f"--effect {name}: not known; give one of none, {', '.join([*RANDOM, *EFFECTS])}")
-    given = {}
-    for setting in filter(None, settings.split(",")):
-        parameter, _, value = setting.partition("=")
-        try:
-            given[parameter] = float(value)
-        except ValueError:
-            raise InputError(f"--effect {name}: {setting!r} is not PARAM=NUMBER; correct it") from None
-    return [EFFECTS[name](**given)]

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from gravcomp.core.vhdl.network_package import stale_rom_files, write_rom
 from gravcomp.errors import InputError
 
 
@@ -13,6 +12,8 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    from gravcomp.core.vhdl.network_package import stale_rom_files, write_rom
+
     if not arguments.check:
         cost = write_rom(arguments.weights, arguments.out)
         print(f"{arguments.out}: written from {arguments.weights}; {cost}")

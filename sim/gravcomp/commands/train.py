@@ -8,14 +8,8 @@ cluster that DASK_SCHEDULER_ADDRESS names.
 import time
 from pathlib import Path
 
-from gravcomp.core.compensation import load_compensation
-from gravcomp.core.folder import MachineFolder, save_folder
-from gravcomp.core.provenance import write_provenance
 from gravcomp.errors import InputError
-from gravcomp.network.weights import load_network
-from gravcomp.robot.machine import HARDWARE_ACTIVATION, load_machine
-from gravcomp.training.fine_tuning import retrained
-from gravcomp.training.training import BACKENDS, N_TEST_POSES, Effort, evaluate, train, workspace_set
+from gravcomp.training import BACKENDS
 
 # Of 50 steps each: a network of another activation starts far from where it ends.
 _ROUNDS = 60
@@ -34,6 +28,14 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    from gravcomp.core.compensation import load_compensation
+    from gravcomp.core.folder import MachineFolder, save_folder
+    from gravcomp.core.provenance import write_provenance
+    from gravcomp.network.weights import load_network
+    from gravcomp.robot.machine import HARDWARE_ACTIVATION, load_machine
+    from gravcomp.training.fine_tuning import retrained
+    from gravcomp.training.training import N_TEST_POSES, Effort, evaluate, train, workspace_set
+
     if arguments.out.exists() and not arguments.out.is_dir():
         raise InputError(f"{arguments.out}: is a file; give a folder")
     folder = arguments.robot or arguments.start

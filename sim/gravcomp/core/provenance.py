@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import scipy
 
+from gravcomp import __version__
 from gravcomp.files import write_atomically
 from gravcomp.robot.machine import Machine, trained_on_hash
+from gravcomp.shipped import IS_CHECKOUT
 
 PROVENANCE_JSON = "provenance.json"
 
@@ -35,7 +37,9 @@ def provenance_text(*, command: str, data: dict, metrics: dict, machine: Machine
 
 
 def source_version() -> str:
-    """Commit of the source, with -dirty when files differ from it; "unknown" outside a git clone."""
+    """Of a checkout the commit, -dirty when files differ from it, "unknown" without git; installed, the version."""
+    if not IS_CHECKOUT:
+        return __version__  # a git that the installation lies in is another project's
     call = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
         return subprocess.run(call, capture_output=True, text=True, check=True).stdout.strip()

@@ -5,7 +5,6 @@ import io
 
 import jinja2
 import numpy as np
-from matplotlib.figure import Figure
 
 from gravcomp.diagnosis.candidate import Variable, variables
 from gravcomp.diagnosis.diagnosis import Diagnosis
@@ -25,6 +24,8 @@ def report_html(d: Diagnosis) -> str:
 
 
 def _figure(d: Diagnosis, axis: int) -> str:
+    from matplotlib.figure import Figure  # here, because whoever only diagnoses draws nothing
+
     own = [x for x in variables(d.data) if x.axis in (None, axis) and x.kind in ("t", "q", "v", "f", "temp")]
     figure = Figure(figsize=(4.2 * len(own), 3.6), layout="constrained")
     rows = np.flatnonzero(d.is_test)

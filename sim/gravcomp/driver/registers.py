@@ -1,12 +1,13 @@
-"""The register map of gc_system, from the IP-XACT component that `make regs` writes beside the VHDL."""
+"""The register map of gc_system, from the IP-XACT component beside the VHDL."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
 from gravcomp.errors import InputError
+from gravcomp.shipped import shipped
 
-IPXACT = Path(__file__).resolve().parents[3] / "rtl" / "component.xml"
+IPXACT = shipped("rtl/component.xml")
 SPIRIT = "http://www.spiritconsortium.org/XMLSchema/SPIRIT/1685-2009"
 _XML = {"x": SPIRIT}
 

@@ -9,7 +9,7 @@ radius of gyration of d/4. At home every joint coordinate is zero and every body
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from gravcomp.errors import InputError
+from gravcomp.errors import InputError, optional
 from gravcomp.robot.spheiro.kinematics import HOME_AXES, inverse_kinematics, passive_coordinates
 from gravcomp.robot.spheiro.parameters import RobotParameters
 
@@ -79,7 +79,7 @@ class Prototype:
     """The robot in the physics engine. ``model`` and ``data`` are MuJoCo's; effects may change the model."""
 
     def __init__(self, p: RobotParameters):
-        import mujoco  # here, because importing it costs more than the rest of the package together
+        mujoco = optional("mujoco", "mujoco", "the prototype")  # an extra, because it costs more than all the rest
 
         self.mujoco = mujoco
         self.parameters = p

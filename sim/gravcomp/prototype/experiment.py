@@ -19,6 +19,7 @@ from tqdm import tqdm
 
 from gravcomp.errors import InputError
 from gravcomp.files import write_all_atomically
+from gravcomp.prototype import DEFAULT_NOISE_N, MODES
 from gravcomp.prototype.body import TIME_STEP_S
 from gravcomp.prototype.imperfections import Effect
 from gravcomp.prototype.plant import Plant
@@ -29,8 +30,6 @@ from gravcomp.robot.spheiro.robot import spheiro_of
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp.robot.spheiro.workspace import pose, sample_workspace
 
-MODES = ("static", "motion", "both")
-DEFAULT_NOISE_N = 0.1
 _WINDOW_STEPS = 20  # the current is averaged over so long
 # An approach turns the platform at this rate, slows down to a creep, and stops; speeds of the motors are d times that.
 _APPROACH_RAD_PER_S, _CREEP_RAD_PER_S = 0.008, 0.002

@@ -408,6 +408,27 @@ class PlatformHose(Effect):
 EFFECTS = {effect.name: effect for effect in Effect.__subclasses__()}
 LISTED = [name for name, effect in EFFECTS.items() if effect.on_list]
 UNLISTED = [name for name, effect in EFFECTS.items() if not effect.on_list]
+# Inertia is asked for by name, with a --speed that shows it.
+_RANDOM = {"random": [name for name in LISTED if name != "inertia"], "random_unlisted": UNLISTED}
+
+
+def parse_effect(text: str, rng: np.random.Generator) -> list[Effect]:
+    """Effects named by one --effect: none, one drawn at random, or one by name and parameters. Raises InputError."""
+    name, _, settings = text.partition(":")
+    if name == "none":
+        return []
+    if name in _RANDOM:
+        return [EFFECTS[str(rng.choice(_RANDOM[name]))].draw(rng)]
+    if name not in EFFECTS:
+        raise InputError(f"--effect {name}: not known; give one of none, {', '.join([*_RANDOM, *EFFECTS])}")
+    given = {}
+    for setting in filter(None, settings.split(",")):
+        parameter, _, value = setting.partition("=")
+        try:
+            given[parameter] = float(value)
+        except ValueError:
+            raise InputError(f"--effect {name}: {setting!r} is not PARAM=NUMBER; correct it") from None
+    return [EFFECTS[name](**given)]
 
 
 def field_effects() -> list[Effect]:

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from unittest.mock import patch
 
+from gravcomp.errors import optional
+
 
 def simulate(
     entity: str,
@@ -26,9 +28,8 @@ def simulate(
     are set on the entity and handed to the test as environment variables of the same name in upper case. tests selects
     cocotb tests by regular expression. Returns the log of the run.
     """
-    # Here, because whoever only reads logs or trains needs no simulator.
-    from cocotb_tools.check_results import get_results
-    from cocotb_tools.runner import get_runner
+    get_results = optional("cocotb_tools.check_results", "cocotb", "a simulation").get_results
+    get_runner = optional("cocotb_tools.runner", "cocotb", "a simulation").get_runner
 
     generics = dict(generics or {})
     name = build_dir.name

@@ -1,1 +1,3 @@
 """Training: Levenberg-Marquardt, basin hopping, normalisation."""
+
+BACKENDS = ("loky", "threading", "dask")  # of joblib

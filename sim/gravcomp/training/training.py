@@ -24,7 +24,6 @@ from gravcomp.training.scaling import Scaling, workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws
 from gravcomp.training.symmetry import cyclic_images, cyclic_tie, is_cyclic
 
-BACKENDS = ("loky", "threading", "dask")
 # Small against the error that 20 neurons leave, large enough that output weights cannot grow without bound.
 RIDGE = 1e-9
 N_TEST_POSES = 8000

@@ -13,7 +13,8 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
-from gravcomp.prototype.experiment import DEFAULT_NOISE_N, MODES, measure, write_measurement
+from gravcomp.prototype import DEFAULT_NOISE_N, MODES
+from gravcomp.prototype.experiment import measure, write_measurement
 from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED, Effect
 from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT
 from gravcomp_lab.shipped import shipped_machine

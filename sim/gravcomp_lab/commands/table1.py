@@ -4,7 +4,8 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
-from gravcomp.training.training import BACKENDS, N_TEST_POSES, workspace_set
+from gravcomp.training import BACKENDS
+from gravcomp.training.training import N_TEST_POSES, workspace_set
 from gravcomp_lab.paper.table1 import GRADIENT_THRESHOLD, markdown, table1
 from gravcomp_lab.shipped import shipped_machine
 

@@ -10,7 +10,8 @@ from tqdm import tqdm
 from gravcomp.diagnosis.model import Model
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
-from gravcomp.prototype.experiment import DEFAULT_NOISE_N, Log, clear_sides, hold_poses, log_csv, measure
+from gravcomp.prototype import DEFAULT_NOISE_N
+from gravcomp.prototype.experiment import Log, clear_sides, hold_poses, log_csv, measure
 from gravcomp.prototype.imperfections import field_effects
 from gravcomp.prototype.plant import Plant
 from gravcomp.robot.machine import Machine

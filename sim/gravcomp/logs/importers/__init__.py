@@ -1,6 +1,11 @@
-"""Public data sets of real machines, converted to the measured CSV."""
+"""Public data sets of real machines, converted to the measured CSV: a module per data set."""
 
-from gravcomp.logs.importers.anticogging import anticogging_csv
-from gravcomp.logs.importers.emps import emps_csv
+import importlib
+from pathlib import Path
 
-IMPORTERS = {"emps": emps_csv, "anticogging": anticogging_csv}
+IMPORTERS = ("anticogging", "emps")
+
+
+def convert(kind: str, path: Path | str) -> str:
+    """The measured CSV of a data set as published: <kind>_csv of the module <kind>. Raises InputError."""
+    return getattr(importlib.import_module(f"{__name__}.{kind}"), f"{kind}_csv")(path)

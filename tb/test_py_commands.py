@@ -1,0 +1,83 @@
+"""The command line: what it lists, and that no command imports what it does not use."""
+
+import pkgutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import gravcomp.commands
+from gravcomp import __version__, cli
+from gravcomp.errors import InputError, optional
+
+# numpy, and what is larger.
+HEAVY = {"numpy", "scipy", "pandas", "sklearn", "joblib", "jinja2", "matplotlib", "mujoco", "cocotb", "cocotb_tools"}
+
+
+def loaded(program: str, *arguments: str) -> set[str]:
+    """The top-level modules that a fresh Python has loaded at the end of a program."""
+    script = (
+        "import atexit, sys; atexit.register(lambda: print('LOADED', *{name.split('.')[0] for name in sys.modules}))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script + program, *arguments], capture_output=True, text=True, check=True
+    )
+    return set(done.stdout.rpartition("LOADED")[2].split())
+
+
+@pytest.mark.parametrize("package", ["gravcomp.cli", "gravcomp_lab.__main__"])
+def test_help_imports_nothing_heavy(package):
+    assert not HEAVY & loaded(f"from {package} import main; main(['--help'])")
+
+
+@pytest.mark.parametrize("command", cli.COMMANDS)
+def test_help_of_a_command_imports_nothing_heavy(command):
+    assert not HEAVY & loaded(f"from gravcomp.cli import main; main(['{command}', '--help'])")
+
+
+def test_diagnosis_without_report_html_imports_no_simulator_and_no_plots(tmp_path):
+    t = np.linspace(0.0, 20.0, 400)
+    rows = np.column_stack([t, np.sin(t), np.cos(t), 2.0 + np.cos(t), np.full_like(t, 2.0)])
+    log = tmp_path / "log.csv"
+    np.savetxt(log, rows, delimiter=",", header="t_s,q1_rad,v1_radps,f1_nm,fm1_nm", comments="")
+    program = (
+        "from gravcomp.diagnosis.diagnosis import diagnose\n"
+        "from gravcomp.diagnosis.model import Model\n"
+        "from gravcomp.diagnosis import report_html\n"
+        "from gravcomp.logs.csv_reader import read_measurement\n"
+        "diagnose(read_measurement(sys.argv[1], None), Model())\n"
+    )
+    modules = loaded(program, str(log))
+    assert "sklearn" in modules
+    assert not {"matplotlib", "mujoco", "cocotb", "cocotb_tools"} & modules
+
+
+def test_every_command_is_listed(capsys):
+    modules = {info.name.rstrip("_").replace("_", "-") for info in pkgutil.iter_modules(gravcomp.commands.__path__)}
+    assert modules == set(cli.COMMANDS)
+    with pytest.raises(SystemExit):
+        cli.main(["--help"])
+    printed = capsys.readouterr().out
+    places = [printed.index(f"\n    {command}") for command in cli.COMMANDS]
+    assert places == sorted(places)
+
+
+def test_version(capsys):
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["--version"])
+    assert (stop.value.code, capsys.readouterr().out) == (0, f"gravcomp {__version__}\n")
+
+
+@pytest.mark.parametrize("arguments", [[], ["nothing"], ["--", "nothing"], ["rom"], ["--", "rom"], ["-x", "rom"]])
+def test_wrong_arguments_are_one_line(arguments, capsys):
+    with pytest.raises(SystemExit) as stop:
+        cli.main(arguments)
+    assert stop.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_missing_extra_is_one_line_that_tells_the_package(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cocotb_tools.runner", None)
+    with pytest.raises(InputError, match=r"^a simulation needs cocotb; start `\S+ -m pip install cocotb`$"):
+        optional("cocotb_tools.runner", "cocotb", "a simulation")
