@@ -47,21 +47,24 @@ def read(tmp_path, content):
 
 
 BAD = {
-    "cell empty": (cell(5, "q2_m", ""), "row 5, column q2_m: '' is not a finite number"),
     "cell of text": (cell(7, "f3_n", "off"), "row 7, column f3_n: 'off' is not a finite number"),
     "cell infinite": (cell(9, "v1_mps", "-inf"), "row 9, column v1_mps: '-inf' is not a finite number"),
-    "time not a number": (cell(6, "t_s", "nan"), "row 6, column t_s: 'nan' is not a finite number"),
     "cell too large": (cell(8, "f1_n", "1e300"), "row 8, column f1_n: '1e300' is not a finite number up to 1e+15"),
     "header again": (text(rows=[*ROWS[:5], HEADER, *ROWS[5:]]), "row 7, column t_s: 't_s' is not a finite number"),
-    "temperature missing": (added(["temp_c"], [""]), "row 2, column temp_c: '' is not a finite number"),
-    "prediction missing": (added(["fm1_n", "fm2_n", "fm3_n"], ["1", "1", ""]), "row 2, column fm3_n: ''"),
+    "prediction missing": (added(["fm1_n", "fm2_n", "fm3_n"], ["1", "1", ""]), "column fm3_n has no value in any row"),
+    "one velocity missing": (text(rows=[[*row[:4], "", *row[5:]] for row in ROWS]), "column v1_mps has no value in"),
+    "few rows whole": (text(rows=[[*r[:3], "" if k % 10 else r[3], *r[4:]] for k, r in enumerate(ROWS)]),
+                       "cells without a value (q3_m 36): 36 rows are left out, fewer than 30 are left; log all"),
+    "blanks": (text().replace(",", " "), "row 1: column t_s is missing in the header; separate columns by commas"),
+    "time without a unit": (renamed(t_s="time"), "column t_s is missing in the header; name 'time' with its unit"),
+    "unit between brackets": (renamed(q1_m="q1 [ell]"), "row 1: column q1 [ell]: 'ell' is no known unit; convert it"),
+    "two decimal marks": (cell(4, "q1_m", '"0,01"'), "row 4: '0,01' has a decimal comma, other cells have points;"),
     "decimal comma": (cell(4, "q1_m", "0,01"), "row 4: 11 values for 10 columns, column f3_n; give one value"),
     "row cut": (text(rows=[*ROWS[:3], ROWS[3][:4], *ROWS[4:]]), "row 5: 4 values for 10 columns, column v1_mps"),
     "too short": (text(rows=ROWS[: MIN_SAMPLES - 1]), "row 30, column t_s: only 29 samples; give at least 30"),
     "header alone": (text(rows=[]), "row 1, column t_s: only 0 samples; give at least 30"),
     "comments alone": ("# nothing\n\n", "row 1: no header line"),
     "no header": ("\n".join(map(",".join, ROWS)), "row 1: column t_s is missing in the header; add the time"),
-    "semicolons": (text().replace(",", ";"), "row 1: column t_s is missing in the header; separate columns by commas"),
     "time backwards": (cell(6, "t_s", "1"), "row 6, column t_s: time runs backwards; sort the rows"),
     "column twice": (renamed(q2_m="q1_m"), "row 1: column 'q1_m' appears twice; keep one"),
     "two units of one axis": (renamed(q2_m="q1_rad"), "row 1: column q1_rad: axis 1 has two columns of this kind"),
@@ -73,7 +76,7 @@ BAD = {
     "no effort": (only(*HEADER[:7]), "row 1: no effort; give one of column f1_n, f1_nm or i1_a"),
     "two efforts": (added(["i1_a", "i2_a", "i3_a"], ["1"] * 3), "row 1: two kinds of effort; give one of column f1_n"),
     "effort of more axes": (added(["f4_n"], ["1"]), "row 1: column f4_n has no position column; add q4_m"),
-    "efforts in two units": (renamed(f3_n="f3_nm"), "row 1: columns f1_n, f2_n, f3_nm mix units"),
+    "efforts in two units": (renamed(f3_n="f3_nm"), "row 1: column f3_nm: "),
     "effort zero": (text(rows=[[*row[:7], "0", "0", "0"] for row in ROWS]), "columns f1_n, f2_n, f3_n are zero"),
     "effort in Nm": (renamed(f1_n="f1_nm", f2_n="f2_nm", f3_n="f3_nm"),
                      "has it in N; add fm columns or give that unit"),
@@ -87,7 +90,7 @@ BAD = {
     "axis 0": (renamed(q1_m="q0_m"), "row 1: column q0_m is not known; name it q1_m or q1_rad"),
     "millimetres": (text(rows=[[*row[:3], "50", *row[4:]] for row in ROWS]), "row 2, columns q1_m..q3_m: outside"),
     "singular pose": (cell(11, "q2_m", "0.25"), "row 11, columns q1_m..q3_m: outside the robot's joint space; check"),
-    "not text": (b"\xff\xfe\x00\x01", "cannot be read"),
+    "not text": (b"\x89PNG\r\n\x1a\n\x00\x00", "cannot be read as text; give a CSV text file"),
 }  # fmt: skip
 
 
@@ -104,7 +107,7 @@ def test_bad_input_is_one_line_with_file_row_column_and_remedy(case, tmp_path):
 
 @pytest.mark.parametrize("name", ["absent.csv", "."])
 def test_file_that_cannot_be_opened_is_named(name, tmp_path):
-    with pytest.raises(InputError, match=r"cannot be read .*; give a CSV text file") as caught:
+    with pytest.raises(InputError, match=r"cannot be read.*; give a CSV text file") as caught:
         read_measurement(tmp_path / name, MACHINE)
     assert str(tmp_path / name) in str(caught.value)
 

@@ -118,7 +118,7 @@ def test_held_out_samples_reach_no_fit(tmp_path):
     [
         (lambda s: s.replace("t_s,", "time,", 1), "t_s"),
         (lambda s: s.replace("q2_m", "q2_ft", 1), "q2"),
-        (lambda s: "\n".join([*s.splitlines()[:5], "nan" + s.splitlines()[5][1:], *s.splitlines()[6:]]), "row 6"),
+        (lambda s: "\n".join([*s.splitlines()[:5], "off" + s.splitlines()[5][1:], *s.splitlines()[6:]]), "row 6"),
         (lambda s: "\n".join([*s.splitlines()[:5], s.splitlines()[5] + ",1", *s.splitlines()[6:]]), "row 6"),
         (lambda s: "\n".join(s.splitlines()[:10]), "at least"),
         (lambda s: s.replace("\n2,", "\n2,9", 1), "row"),

@@ -63,7 +63,9 @@ def words(content: dict) -> list[str]:
     out = [f"note: {note}" for note in content["notes"]]
     left_out = content["left_out"]
     if any(left_out.values()):
-        out.append(f"left out: {left_out['gross_errors']} gross errors, {left_out['missing_values']} rows with marks")
+        out.append(
+            f"left out: {left_out['gross_errors']} gross errors, {left_out['missing_values']} rows without a value"
+        )
     by_reason: dict[str, list[str]] = {}
     for name, why in content["untestable"].items():
         by_reason.setdefault(why, []).append(name)

@@ -2,11 +2,13 @@
 
 Columns: ``t_s``; per axis i ``q{i}_m`` or ``q{i}_rad``; optional ``v{i}_mps`` or ``v{i}_radps``; ``f{i}_n``,
 ``f{i}_nm`` or ``i{i}_a``; optional ``temp_c``; optional ``fm{i}_n``, ``fm{i}_nm`` or ``fm{i}_a``; other known units
-are converted. # is a comment.
+are converted. # is a comment. What else a file may look like is in ``text_table`` and ``headers``.
 """
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +19,7 @@ from gravcomp.logs import clock
 from gravcomp.logs.force_surface import fit_force_function
 from gravcomp.logs.measurement import Measurement, velocity_from_position
 from gravcomp.logs.missing import marks
+from gravcomp.logs.text_table import TextTable, is_missing, read_text_table
 from gravcomp.logs.units import KNOWN, OF_THE_MACHINE, in_contract
 from gravcomp.robot.machine import EFFORT_UNITS, Machine
 from gravcomp.robot.protocol import PoseError
@@ -39,124 +42,155 @@ def read_measurement(
     units: size of the machine's own units, as {"counts": ("m", 1e-6)}. What had to be put right stands in the notes.
     Raises InputError, one line naming file, row, column and what to do.
     """
-    path, notes = Path(path), []
-    table, told = _without_marks(path, _read_table(path, units or {}))
+    log, notes = _read_log(Path(path), units or {})
+    for put_right in (_without_gaps, _without_marks, partial(_in_contract, units=units or {})):
+        log, told = put_right(log)
+        notes += told
+    columns = _columns(log)
+    t_s, run, told = _time(log)
     notes += told
-    table, told = _in_contract(path, table, units or {})
-    notes += told
-    columns = _columns(path, table)
-    t_s, run, told = _time(path, table)
-    notes += told
-    q = _stack(table, columns["q"])
-    has_model = bool(columns["fm"])
-    force, by_axis = _effort(path, table, columns, machine)
+    q = _stack(log, columns["q"])
+    force, nominal, by_axis = _effort(log, columns, machine)
     unit = ", ".join(dict.fromkeys(by_axis))
-    v = _stack(table, columns["v"]) if columns["v"] else None
+    v = _stack(log, columns["v"]) if columns["v"] else None
     if v is None:
-        draft = Measurement(path.name, t_s, q, None, force, force, unit, (), run=run)
+        draft = Measurement(log.path.name, t_s, q, None, force, force, unit, (), run=run)
         v = velocity_from_position(t_s, q, run) if draft.is_ordered and np.ptp(t_s) > 0 else None
+    has_model = nominal is not None
     if has_model:
-        nominal = _stack(table, columns["fm"])
-        if unit != "A" and columns["fm"][0].endswith("_a"):
-            nominal = nominal * _per_ampere(path, table, columns, machine)
         force_at = fit_force_function(q, nominal, [_suffix(name) for name in columns["q"]])
     else:
-        _check_machine(path, table, columns, machine)
-        nominal, force_at = _statics(path, table, q, machine), machine.robot.forces
+        _check_machine(log, columns, machine)
+        nominal, force_at = _statics(log, q, machine), machine.robot.forces
     return Measurement(
-        path.name, t_s, q, v, force, nominal, unit, tuple(_suffix(name) for name in columns["q"]),
-        temp_c=table["temp_c"].to_numpy() if "temp_c" in table else None, force_at=force_at,
+        log.path.name, t_s, q, v, force, nominal, unit, tuple(_suffix(name) for name in columns["q"]),
+        temp_c=log.table["temp_c"].to_numpy() if "temp_c" in log.table else None, force_at=force_at,
         robot=None if has_model else machine.robot, run=run if run.any() else None,
-        units=by_axis if len(set(by_axis)) > 1 else (), notes=tuple(notes), n_dropped=table.attrs["n_dropped"],
+        units=by_axis if len(set(by_axis)) > 1 else (), notes=tuple(notes), n_dropped=log.n_dropped,
     )  # fmt: skip
 
 
-def _read_table(path: Path, units: Mapping) -> pd.DataFrame:
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); give a CSV text file") from error
-    kept = [(row, line) for row, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
-    if not kept:
-        raise InputError(f"{path}: row 1: no header line; give t_s, q1_m, ... and one row per sample")
-    header = [name.strip() for name in kept[0][1].split(",")]
-    for name in header:
-        if header.count(name) > 1:
-            raise InputError(f"{path}: row {kept[0][0]}: column {name!r} appears twice; keep one")
-    cells = []
-    for row, line in kept[1:]:
-        parts = line.split(",")
-        if len(parts) != len(header):
-            raise InputError(f"{path}: row {row}: {len(parts)} values for {len(header)} columns, column "
-                             f"{header[min(len(parts), len(header) - 1)]}; give one value per column")  # fmt: skip
-        cells.append(parts)
-    if not {"t_s", "t_ms", "t_us", "t_ns"} & {*header}:
-        hint = "separate columns by commas" if re.search("[;\t]", kept[0][1]) else "add the time in seconds"
-        raise InputError(f"{path}: row {kept[0][0]}: column t_s is missing in the header; {hint}")
-    if len(cells) < MIN_SAMPLES:
-        raise InputError(f"{path}: row {kept[-1][0]}, column {header[0]}: only {len(cells)} samples; "
+@dataclass(frozen=True)
+class _Log:
+    """The columns that the contract knows, in its units where they are known; rows of the file that are left."""
+
+    path: Path
+    table: pd.DataFrame
+    rows: list[int]
+    header_row: int
+    originals: dict[str, str]
+    without_unit: dict[str, str]
+    n_dropped: int = 0
+
+    @property
+    def header(self) -> str:
+        return f"{self.path}: row {self.header_row}"
+
+    def only(self, kept: np.ndarray) -> "_Log":
+        """The rows where kept (n,) is true; the others are counted."""
+        rows = [row for row, keep in zip(self.rows, kept, strict=True) if keep]
+        return replace(self, table=self.table[kept], rows=rows, n_dropped=self.n_dropped + int((~kept).sum()))
+
+
+def _read_log(path: Path, units: Mapping) -> tuple[_Log, list[str]]:
+    """Numbers of a file's cells, NaN where a cell has none, and what reading had to put right."""
+    text = read_text_table(path)
+    if len(text.cells) < MIN_SAMPLES:
+        row = text.rows[-1] if text.rows else text.header_row
+        raise InputError(f"{path}: row {row}, column {text.columns[0].name}: only {len(text.cells)} samples; "
                          f"give at least {MIN_SAMPLES}")  # fmt: skip
-    table = pd.DataFrame(cells, columns=header).apply(pd.to_numeric, errors="coerce")
-    is_time = np.array([name.startswith("t_") for name in header])
-    bad = ~(np.abs(table.to_numpy(dtype=float)) < np.where(is_time, 1e20, _LARGEST))
-    contract = [(in_contract(name, units) or (name,))[0] for name in header]
-    bad &= [_COLUMN.match(name) is not None or name in ("t_s", "temp_c") for name in contract]
+    by_column = {}
+    for found, cells in zip(text.columns, zip(*text.cells, strict=True), strict=True):
+        contract = (in_contract(found.name, units) or (found.name,))[0]
+        is_known = _COLUMN.match(contract) is not None or contract in ("t_s", "temp_c")
+        by_column[found.name] = _numbers(path, text, found.name, cells) if is_known else np.zeros(len(cells))
+    without_unit = {found.should_be: found.original for found in text.columns if found.should_be}
+    originals = {found.name: found.original for found in text.columns}
+    return _Log(path, pd.DataFrame(by_column), text.rows, text.header_row, originals, without_unit), text.notes
+
+
+def _numbers(path: Path, text: TextTable, name: str, cells: tuple[str, ...]) -> np.ndarray:
+    """Values (n,) of a column, NaN where a cell has none. Raises InputError for a cell that is no number."""
+    values = pd.to_numeric(pd.Series(cells), errors="coerce").to_numpy(dtype=float, copy=True)
+    missing = np.array([is_missing(cell) for cell in cells])
+    values[missing] = np.nan
+    bad = ~missing & ~(np.abs(values) < (1e20 if name.startswith("t_") else _LARGEST))
     if bad.any():
-        k, j = np.argwhere(bad)[0]
-        raise InputError(f"{path}: row {kept[1 + k][0]}, column {header[j]}: {cells[k][j].strip()!r} is not a finite "
-                         f"number up to {_LARGEST:g}; correct or delete that row")  # fmt: skip
-    table.attrs |= {"header_row": kept[0][0], "rows": [row for row, _ in kept[1:]], "n_dropped": 0}
-    return table.astype(float)
+        k = int(np.argmax(bad))
+        raise InputError(f"{path}: row {text.rows[k]}, column {name}: {cells[k]!r} is not a finite number up to "
+                         f"{_LARGEST:g}; correct or delete that row")  # fmt: skip
+    return values
 
 
-def _in_contract(path: Path, table: pd.DataFrame, units: Mapping) -> tuple[pd.DataFrame, list[str]]:
+def _without_gaps(log: _Log) -> tuple[_Log, list[str]]:
+    """The rows that have a value in every column, and a line on the others; a column without any is none."""
+    notes, table = [], log.table
+    empty = [name for name in table if table[name].isna().all()]
+    speeds = [name for name in table if _MISSPELT.match(name) and name.startswith("v")]
+    for name in empty:
+        if name != "temp_c" and not (name in speeds and {*speeds} <= {*empty}):
+            raise InputError(f"{log.header}: column {name} has no value in any row; log it, or delete the column")
+        notes.append(f"{name} has no value in any row: left aside")
+    table = table.drop(columns=empty)
+    if "temp_c" in table and table["temp_c"].isna().any():
+        notes.append(f"temp_c: {table['temp_c'].isna().sum()} cells without a value are filled from their neighbours")
+        table = table.assign(temp_c=table["temp_c"].interpolate(limit_direction="both"))
+    gaps = table.isna()
+    log = replace(log, table=table)
+    if not gaps.to_numpy().any():
+        return log, notes
+    dropped = gaps.any(axis=1).to_numpy()
+    where = ", ".join(f"{name} {count}" for name, count in gaps.sum().items() if count)
+    notes.append(f"cells without a value ({where}): {dropped.sum()} rows are left out")
+    if np.count_nonzero(~dropped) < MIN_SAMPLES:
+        raise InputError(f"{log.header}: {notes[-1]}, fewer than {MIN_SAMPLES} are left; log all columns at one rate, "
+                         "or delete the one that is empty")  # fmt: skip
+    return log.only(~dropped), notes
+
+
+def _in_contract(log: _Log, units: Mapping) -> tuple[_Log, list[str]]:
     """Columns in the contract's units, and a line on what was converted."""
-    names, told = {}, {}
+    names, told, table = {}, {}, log.table.copy()
     for name in table.columns:
-        unit = _suffix(name)
+        unit, original = _suffix(name), log.originals.get(name, name)
         found = in_contract(name, units) if _MISSPELT.match(name) else None
         if found and (_COLUMN.match(found[0]) or found[0] == "t_s"):
             if found[0] in table.columns or found[0] in names.values():
-                raise InputError(f"{path}: row {table.attrs['header_row']}: column {name}: {found[0]} is there too; "
-                                 "keep one")  # fmt: skip
+                raise InputError(f"{log.header}: column {original}: {found[0]} is there too; keep one")
             names[name] = found[0]
             table[name] = table[name] * found[1]
-            told.setdefault(f"{unit} converted to {_suffix(found[0])}, factor {found[1]:.6g}", []).append(name)
+            told.setdefault(f"{unit} converted to {_suffix(found[0])}, factor {found[1]:.6g}", []).append(original)
         elif unit in OF_THE_MACHINE and _MISSPELT.match(name):
-            raise InputError(f"{path}: row {table.attrs['header_row']}: column {name}: how much is one {unit}?; "
-                             f"say it with --units {unit}=FACTOR and unit, such as {unit}=0.05nm")  # fmt: skip
-    attributes = table.attrs
-    table = table.rename(columns=names)
-    table.attrs |= attributes
-    return table, [f"{', '.join(own)}: {what}" for what, own in told.items()]
+            raise InputError(f"{log.header}: column {original}: how much is one {unit}?; say it with --units "
+                             f"{unit}=FACTOR and unit, such as {unit}=0.05nm")  # fmt: skip
+    notes = [f"{', '.join(own)}: {what}" for what, own in told.items()]
+    return replace(log, table=table.rename(columns=names)), notes
 
 
-def _without_marks(path: Path, table: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
-    """The table without rows that hold a mark for a missing value, and a line per column on them."""
-    is_marked, notes = np.zeros(len(table), bool), []
-    for name in (name for name in table.columns if _MISSPELT.match(name) and not name.startswith("t_")):
-        found = marks(table[name].to_numpy())
+def _without_marks(log: _Log) -> tuple[_Log, list[str]]:
+    """The rows without a mark for a missing value, and a line per column on them."""
+    is_marked, notes = np.zeros(len(log.table), bool), []
+    for name in (name for name in log.table.columns if _MISSPELT.match(name) and not name.startswith("t_")):
+        found = marks(log.table[name].to_numpy())
         if found:
             is_marked |= found[1]
             notes.append(f"{name}: {found[1].sum()} values of {found[0]:g} are marks for a missing value: left out")
     if not is_marked.any():
-        return table, []
+        return log, []
     if np.count_nonzero(~is_marked) < MIN_SAMPLES:
-        raise InputError(f"{path}: {notes[0]}, and fewer than {MIN_SAMPLES} rows are left; give more")
-    attributes = table.attrs
-    table = table[~is_marked]
-    rows = [row for row, marked in zip(attributes["rows"], is_marked, strict=True) if not marked]
-    table.attrs |= {**attributes, "rows": rows, "n_dropped": int(is_marked.sum())}
-    return table, notes
+        raise InputError(f"{log.path}: {notes[0]}, and fewer than {MIN_SAMPLES} rows are left; give more")
+    return log.only(~is_marked), notes
 
 
-def _columns(path: Path, table: pd.DataFrame) -> dict[str, list[str]]:
+def _columns(log: _Log) -> dict[str, list[str]]:
     """Names of the columns by kind, in the order of the axes."""
-    header = f"{path}: row {table.attrs['header_row']}"
-    found = _by_kind(header, table)
+    header = log.header
+    found = _by_kind(header, log.table)
     n_axes = len(found["q"])
     if not n_axes:
-        raise InputError(f"{header}: column q1_m or q1_rad is missing in the header; add the position of each axis")
+        remedy = f"name {log.without_unit['q1']!r} with its unit" if "q1" in log.without_unit else (
+            "add the position of each axis")  # fmt: skip
+        raise InputError(f"{header}: column q1_m or q1_rad is missing in the header; {remedy}")
     for kind, by_axis in found.items():
         needed = kind == "q" or bool(by_axis)
         for axis in range(1, n_axes + 1) if needed else ():
@@ -204,15 +238,15 @@ def _suffix(name: str) -> str:
     return name.rpartition("_")[2]
 
 
-def _time(path: Path, table: pd.DataFrame) -> tuple[np.ndarray, np.ndarray, list[str]]:
+def _time(log: _Log) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Seconds, (n,), the run of each row, and lines on epochs and restarts."""
-    t_s, notes = clock.since_start(table["t_s"].to_numpy())
+    t_s, notes = clock.since_start(log.table["t_s"].to_numpy())
     run = clock.runs(t_s)
     if run is None:
-        row = table.attrs["rows"][np.flatnonzero(np.diff(t_s) < 0)[0] + 1]
-        raise InputError(f"{path}: row {row}, column t_s: time runs backwards; sort the rows by time")
+        row = log.rows[np.flatnonzero(np.diff(t_s) < 0)[0] + 1]
+        raise InputError(f"{log.path}: row {row}, column t_s: time runs backwards; sort the rows by time")
     if run.any():
-        first = table.attrs["rows"][int(np.argmax(run == 1))]
+        first = log.rows[int(np.argmax(run == 1))]
         notes.append(f"the clock restarts in row {first}: {run.max() + 1} runs, kept apart as segments")
     n_same = int(np.count_nonzero((np.diff(t_s) == 0) & (np.diff(run) == 0)))
     if n_same:
@@ -220,47 +254,51 @@ def _time(path: Path, table: pd.DataFrame) -> tuple[np.ndarray, np.ndarray, list
     return clock.joined(t_s, run), run, notes
 
 
-def _effort(
-    path: Path, table: pd.DataFrame, columns: dict, machine: Machine | None
-) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Efforts (n, k) and their unit per axis; the model must have the same ones."""
-    header = f"{path}: row {table.attrs['header_row']}"
-    names, has_model = columns["f"] or columns["i"], bool(columns["fm"])
-    units = tuple(_UNITS[_suffix(name)] for name in names)
-    model_units = tuple(_UNITS[_suffix(name)] for name in columns["fm"])
-    if len(set(units)) > 1 and units != model_units:
-        raise InputError(f"{header}: columns {', '.join(names + columns['fm'])} mix units; use one unit for all axes, "
-                         "or give fm columns in the unit of each")  # fmt: skip
-    if len(set(model_units)) > 1 and units != model_units:
-        raise InputError(f"{header}: columns {', '.join(names + columns['fm'])} mix units; use one unit for all axes")
-    force = _stack(table, names)
+def _effort(log: _Log, columns: dict, machine: Machine | None) -> tuple[np.ndarray, np.ndarray | None, tuple]:
+    """Measured and predicted efforts (n, k), and their unit per axis: amperes of one beside N or Nm of the other become
+    those by the machine's constant of the axis; without predictions all become those.
+    """
+    names, predicted = columns["f"] or columns["i"], columns["fm"]
+    units, model_units = ([_UNITS[_suffix(name)] for name in kind] for kind in (names, predicted))
+    force, nominal = _stack(log, names), _stack(log, predicted) if predicted else None
     if not force.any():
-        raise InputError(f"{header}: columns {', '.join(names)} are zero in every row; log the effort of the motors")
-    if len(set(units)) > 1:
-        return force, units
-    unit, model_unit = units[0], (model_units or ("",))[0]
-    if unit == "A" and model_unit != "A":
-        force = force * _per_ampere(path, table, columns, machine)
-        return force, tuple(EFFORT_UNITS[unit] for unit in machine.position_units)
-    if has_model and model_unit != unit and model_unit != "A":
-        raise InputError(f"{header}: column {columns['fm'][0]} is in {model_unit}, the effort in {unit}; "
-                         "give both in one unit")  # fmt: skip
-    return force, (unit,) * len(names)
+        raise InputError(
+            f"{log.header}: columns {', '.join(names)} are zero in every row; log the effort of the motors"
+        )
+    for i, unit in enumerate(units):
+        own = model_units[i] if predicted else ""
+        if (unit == "A") == (own == "A"):
+            continue
+        per_ampere, unit_of_axis = _per_ampere(log, columns, machine)
+        if unit == "A":
+            force[:, i] *= per_ampere[i]
+            units[i] = unit_of_axis[i]
+        elif own == "A":
+            nominal[:, i] *= per_ampere[i]
+            model_units[i] = unit_of_axis[i]
+    for name, unit, own in zip(predicted, units, model_units, strict=False):
+        if unit != own:
+            raise InputError(f"{log.header}: column {name} is in {own}, the effort in {unit}; give both in one unit")
+    return force, nominal, tuple(units)
 
 
-def _per_ampere(path: Path, table: pd.DataFrame, columns: dict, machine: Machine | None) -> np.ndarray:
-    """N or Nm per ampere of each axis (n,)."""
+def _per_ampere(log: _Log, columns: dict, machine: Machine | None) -> tuple[np.ndarray, tuple[str, ...]]:
+    """N or Nm per ampere of each axis (k,), and which of the two."""
+    amperes = next(name for name in columns["i"] + columns["fm"] if name.endswith("_a"))
+    n = len(columns["q"])
     if machine is None:
-        amperes = next(name for name in columns["i"] + columns["fm"] if name.endswith("_a"))
-        raise InputError(f"{path}: row {table.attrs['header_row']}: column {amperes} is in amperes; give the machine "
-                         "folder with --robot, or one unit for all")  # fmt: skip
-    _check_machine(path, table, columns, machine)
-    return machine.drive.effort_per_ampere
+        raise InputError(f"{log.header}: column {amperes} is in amperes; give the machine folder with --robot, "
+                         "the size with --units a=0.1nm, or one unit for all")  # fmt: skip
+    wanted = [f"q{k}_{unit}" for k, unit in enumerate(machine.position_units, start=1)]
+    if columns["q"] != wanted:
+        raise InputError(f"{log.header}: column {amperes} is in amperes, but {machine.where} has {', '.join(wanted)}, "
+                         f"the log {', '.join(columns['q'])}; give its folder, or --units a=0.1nm")  # fmt: skip
+    return machine.drive.effort_per_ampere[:n], tuple(EFFORT_UNITS[unit] for unit in machine.position_units)
 
 
-def _check_machine(path: Path, table: pd.DataFrame, columns: dict, machine: Machine | None) -> None:
+def _check_machine(log: _Log, columns: dict, machine: Machine | None) -> None:
     """Raise InputError unless the positions are those of the machine's axes, in its units, and the efforts too."""
-    header, names = f"{path}: row {table.attrs['header_row']}", columns["q"]
+    header, names = log.header, columns["q"]
     if machine is None:
         raise InputError(f"{header}: columns {', '.join(names)} without fm columns; add fm1_... with your model's "
                          "prediction, or give the machine folder with --robot")  # fmt: skip
@@ -274,14 +312,14 @@ def _check_machine(path: Path, table: pd.DataFrame, columns: dict, machine: Mach
                              "add fm columns or give that unit")  # fmt: skip
 
 
-def _statics(path: Path, table: pd.DataFrame, q: np.ndarray, machine: Machine) -> np.ndarray:
+def _statics(log: _Log, q: np.ndarray, machine: Machine) -> np.ndarray:
     try:
         return machine.robot.forces(q)
     except PoseError as error:
-        row, last = table.attrs["rows"][error.index or 0], f"q{machine.n_axes}_{machine.position_units[-1]}"
-        raise InputError(f"{path}: row {row}, columns q1_{machine.position_units[0]}..{last}: outside the robot's "
+        row, last = log.rows[error.index or 0], f"q{machine.n_axes}_{machine.position_units[-1]}"
+        raise InputError(f"{log.path}: row {row}, columns q1_{machine.position_units[0]}..{last}: outside the robot's "
                          "joint space; check zero and unit of the encoders") from error  # fmt: skip
 
 
-def _stack(table: pd.DataFrame, names: list[str]) -> np.ndarray:
-    return table[names].to_numpy(dtype=float)
+def _stack(log: _Log, names: list[str]) -> np.ndarray:
+    return log.table[names].to_numpy(dtype=float, copy=True)

@@ -28,8 +28,8 @@ class Measurement:
     force_at: f_model as a function of q (n, k) -> (n, k), or None when only its values at the samples are known;
     robot: what the model is of, or None where its values alone are known; run (n,): which run a row belongs to, where
     runs were joined; unsure (n, k): samples at which the direction is not sure for another reason than v; units: of
-    effort per axis, where they differ; notes: what reading the log had to put right, a line each; n_dropped: rows that
-    hold a mark for a missing value and are not here.
+    effort per axis, where they differ; notes: what reading the log had to put right, a line each; n_dropped: rows
+    without a value, or with a mark for one, that are not here.
     """
 
     name: str
