@@ -63,7 +63,8 @@ def diagnose_log(arguments, robot: Path | None) -> tuple:
     content = report(found)
     grown = model.grown(found.fit)
     files = {"report.json": report_json(found), "model.toml": model_toml(grown), "report.html": report_html(found)}
-    write_all_atomically({arguments.out / name: text for name, text in files.items()})
+    beside = grown.machine.files if grown.machine else {}  # what model.toml refers to
+    write_all_atomically({arguments.out / name: content for name, content in (files | dict(beside)).items()})
     print(f"verdict: {found.verdict}; seed {arguments.seed}")
     for effect in content["effects"]:
         print(f"  {effect['name']}: {100 * effect['share']:.1f} % of the residual's variance")

@@ -12,7 +12,7 @@ from pathlib import Path
 from gravcomp.core.compensation import COMPENSATION_CSV, Compensation, load_compensation, save_compensation
 from gravcomp.core.provenance import PROVENANCE_JSON
 from gravcomp.errors import InputError
-from gravcomp.files import write_atomically
+from gravcomp.files import write_all_atomically
 from gravcomp.network.weights import SCALING_CSV, Network, load_network, network_bytes, save_network
 from gravcomp.robot.machine import HARDWARE_ACTIVATION, ROBOT_TOML, Machine, load_machine
 
@@ -47,9 +47,10 @@ def load_folder(folder: Path | str) -> MachineFolder:
 
 
 def save_folder(folder: Path | str, content: MachineFolder, comment: str = "") -> None:
-    """Write robot.toml, the network and, where it is not empty, compensation.csv with comment above; no provenance."""
+    """Write robot.toml with its files, the network and, where it is not empty, compensation.csv with comment above; no
+    provenance."""
     folder = Path(folder)
-    write_atomically(folder / ROBOT_TOML, content.machine.text)
+    write_all_atomically(content.machine.contents(folder / ROBOT_TOML))
     save_network(content.network, folder)
     if content.compensation.is_empty:
         (folder / COMPENSATION_CSV).unlink(missing_ok=True)

@@ -71,7 +71,7 @@ def close_loop(
     """
     start = load_folder(weights)
     network, placement, corrections = into_hardware(model, found.data, start.network, seed)
-    grown = parse_machine(model_toml(model), str(weights_folder(folder, "after") / ROBOT_TOML))
+    grown = parse_machine(model_toml(model), str(weights / ROBOT_TOML))  # its files stand there
     _write(folder, "before", start, f"from {weights}", (weights / PROVENANCE_JSON).read_text(encoding="utf-8"))
     names = ", ".join(placement.in_compensator) or "nothing"
     result = MachineFolder(grown, network, placement.compensation)

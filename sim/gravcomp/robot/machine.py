@@ -11,15 +11,15 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from gravcomp.errors import InputError
+from gravcomp.robot.fields import entry, finite, positive, ratio
 from gravcomp.robot.kinds import robot_from_table
-from gravcomp.robot.protocol import Robot
+from gravcomp.robot.protocol import HasRanges, ReadsFiles, Robot
 
 ROBOT_TOML = "robot.toml"
 MAX_AXES = 8
@@ -27,13 +27,17 @@ MAX_AXES = 8
 HARDWARE_ACTIVATION = "gamma"
 ACTIVATIONS = (HARDWARE_ACTIVATION, "tanh")
 EFFORT_UNITS = {"m": "N", "rad": "Nm"}
+COUNTS = {"m": "counts_per_m", "rad": "counts_per_turn"}  # key of [[axis]] by the axis' unit
+# What the network sees of an axis: its position, or sine and cosine of it.
+INPUTS = ("position", "sin_cos")
 # Keys of robot.toml that statics and workspace depend on: a network is trained on them.
 _TRAINED_ON = ("model", "workspace", "effects", "empirical")
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis: unit m or rad, counts per unit, N/A or Nm/A, counts between index marks (0: one), working range."""
+    """One axis: unit m or rad, counts per unit, N/A or Nm/A, counts between index marks (0: one), working range, and
+    which of INPUTS the network sees."""
 
     name: str
     unit: str
@@ -42,6 +46,7 @@ class Axis:
     index_period: int
     low: float
     high: float
+    input: str = "position"
 
 
 @dataclass(frozen=True)
@@ -100,16 +105,34 @@ class Machine:
     def table(self) -> dict:
         return tomllib.loads(self.text)
 
+    @property
+    def files(self) -> Mapping[str, bytes]:
+        """What robot.toml refers to, content by name beside it."""
+        return self.robot.files if isinstance(self.robot, ReadsFiles) else {}
+
+    def contents(self, path: Path) -> dict[Path, str | bytes]:
+        """What to write so that path is this robot.toml, or a model.toml with it: itself, and its files beside it."""
+        return {path: self.text, **{path.parent / name: content for name, content in self.files.items()}}
+
     def trained_on(self) -> dict:
-        """What a network of this machine is trained on, value by key: statics, workspace, ranges, activation."""
+        """What a network of this machine is trained on, value by key: statics with their files, workspace, ranges and
+        joints, inputs, activation."""
         table = self.table
         facts = {key: table[key] for key in _TRAINED_ON if key in table}
-        ranges = {f"axis {k}": {"low": axis.low, "high": axis.high} for k, axis in enumerate(self.axes, start=1)}
-        return dict(_flat({**facts, "network": {"activation": self.activation}, **ranges}))
+        files = {f"{name} sha256": hashlib.sha256(content).hexdigest() for name, content in self.files.items()}
+        axes = {f"axis {k}": self._trained_axis(k) for k in range(1, self.n_axes + 1)}
+        return dict(_flat({**facts, **files, "network": {"activation": self.activation}, **axes}))
+
+    def _trained_axis(self, number: int) -> dict:
+        axis, given = self.axes[number - 1], self.table["axis"][number - 1]
+        facts = {"low": axis.low, "high": axis.high}
+        if "joint" in given:
+            facts["joint"] = given["joint"]
+        return facts if axis.input == "position" else facts | {"input": axis.input}
 
     def core_facts(self) -> str:
         """What the ROM holds of this machine, as text for its hash: clock, counts, efforts per ampere, activation."""
-        axes = [[a.unit, a.counts_per_unit, a.effort_per_ampere, a.index_period] for a in self.axes]
+        axes = [[a.unit, a.counts_per_unit, a.effort_per_ampere, a.index_period, *_other_input(a)] for a in self.axes]
         return json.dumps([self.clock_hz, self.activation, axes])
 
     def with_activation(self, activation: str) -> "Machine":
@@ -142,21 +165,25 @@ def parse_machine(text: str, where: str) -> Machine:
         table = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{where}: not valid TOML ({error}); correct that line") from error
-    clock_hz = _positive(table, where, "clock_hz")
+    clock_hz = positive(table, where, "clock_hz")
     if clock_hz != int(clock_hz) or clock_hz >= 2**31:
         raise InputError(f"{where}: clock_hz = {clock_hz:g} is not a whole number of Hz below 2^31; correct it")
-    activation = _entry(_entry(table, where, "network"), f"{where}: [network]", "activation")
+    activation = entry(entry(table, where, "network"), f"{where}: [network]", "activation")
     if activation not in ACTIVATIONS:
         raise InputError(f"{where}: [network] activation = {activation!r}; give one of {', '.join(ACTIVATIONS)}")
     robot = robot_from_table(table, where)
-    entries = _entry(table, where, "axis")
+    entries = entry(table, where, "axis")
     if not isinstance(entries, list) or not 1 <= len(entries) <= MAX_AXES:
         raise InputError(f"{where}: [[axis]]: give one table per axis, 1 to {MAX_AXES}")
     if len(entries) != robot.n_axes:
         raise InputError(f"{where}: {len(entries)} tables [[axis]], but the robot has {robot.n_axes} axes")
-    axes = tuple(_axis(entry, f"{where}: axis {k + 1}", robot, k) for k, entry in enumerate(entries))
+    axes = tuple(_axis(table, f"{where}: axis {k + 1}", robot, k) for k, table in enumerate(entries))
     name = table.get("name", Path(where).parent.name)
     return Machine(str(name), clock_hz, activation, robot, axes, text, where)
+
+
+def _other_input(axis: Axis) -> list[str]:
+    return [] if axis.input == "position" else [axis.input]
 
 
 def trained_on_hash(facts: Mapping) -> str:
@@ -164,68 +191,54 @@ def trained_on_hash(facts: Mapping) -> str:
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
 
-def _axis(entry, where: str, robot: Robot, index: int) -> Axis:
-    if not isinstance(entry, dict):
+def _axis(table, where: str, robot: Robot, index: int) -> Axis:
+    if not isinstance(table, dict):
         raise InputError(f"{where} is not a table; write [[axis]]")
-    known = {"name", "joint", "counts_per_m", "counts_per_turn", "effort_per_ampere", "index_period", "low", "high"}
-    for key in entry.keys() - known - {"input"}:
+    known = {"name", "joint", *COUNTS.values(), "effort_per_ampere", "index_period", "low", "high", "input"}
+    for key in table.keys() - known:
         raise InputError(f"{where}: {key} is not known; give {', '.join(sorted(known))}")
-    if entry.get("input", "position") != "position":
-        raise InputError(f"{where}: input = {entry['input']!r}; this core takes positions alone")
     unit = robot.position_units[index]
-    key = "counts_per_m" if unit == "m" else "counts_per_turn"
-    if key not in entry:
-        raise InputError(f"{where}: {key} is missing; the axis moves in {unit}")
-    counts = _ratio(entry[key], f"{where}: {key}") if unit == "rad" else _positive(entry, where, key)
-    period = entry.get("index_period", 0)
+    kind = table.get("input", "position")
+    if kind not in INPUTS or (kind == "sin_cos" and unit != "rad"):
+        mend = "give position or sin_cos" if unit == "rad" else "this core takes positions alone of a linear axis"
+        raise InputError(f"{where}: input = {kind!r}; {mend}")
+    period = table.get("index_period", 0)
     if isinstance(period, bool) or not isinstance(period, int) or period < 0:
         raise InputError(f"{where}: index_period = {period!r} is not a number of counts; give 0 for one mark")
-    low = _finite(entry, where, "low") if "low" in entry else float(robot.bounds.q_low[index])
-    high = _finite(entry, where, "high") if "high" in entry else float(robot.bounds.q_high[index])
-    if low >= high:
-        raise InputError(f"{where}: low = {low:g} is not below high = {high:g}; correct them")
+    low, high = _range(table, where, robot, index)
     return Axis(
-        name=str(entry.get("name", entry.get("joint", f"axis {index + 1}"))),
+        name=str(table.get("name", table.get("joint", f"axis {index + 1}"))),
         unit=unit,
-        counts_per_unit=counts if unit == "m" else counts / (2 * math.pi),
-        effort_per_ampere=_positive(entry, where, "effort_per_ampere"),
+        counts_per_unit=_counts_per_unit(table, where, unit),
+        effort_per_ampere=positive(table, where, "effort_per_ampere"),
         index_period=period,
         low=low,
         high=high,
+        input=kind,
     )
 
 
-def _entry(table: Mapping, where: str, key: str):
-    if not isinstance(table, Mapping) or key not in table:
-        raise InputError(f"{where}: {key} is missing; add it")
-    return table[key]
+def _counts_per_unit(table: Mapping, where: str, unit: str) -> float:
+    """Counts per m or rad."""
+    key = COUNTS[unit]
+    (other,) = set(COUNTS.values()) - {key}
+    if key not in table:
+        clash = f", {other} is of other axes" if other in table else ""
+        raise InputError(f"{where}: {key} is missing; the axis moves in {unit}{clash}")
+    if other in table:
+        raise InputError(f"{where}: {other} is of other axes; the axis moves in {unit}, take it out")
+    return positive(table, where, key) if unit == "m" else ratio(table[key], f"{where}: {key}") / (2 * math.pi)
 
 
-def _finite(table: Mapping, where: str, key: str) -> float:
-    value = _entry(table, where, key)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < 1e300:
-        raise InputError(f"{where}: {key} = {value!r} is not a finite number; give one")
-    return float(value)
-
-
-def _positive(table: Mapping, where: str, key: str) -> float:
-    value = _finite(table, where, key)
-    if value <= 0:
-        raise InputError(f"{where}: {key} = {value!r} is out of range; give a positive number")
-    return value
-
-
-def _ratio(value, where: str) -> float:
-    """A whole number or "a/b": the phase of a joint that turns for ever must not drift."""
-    try:
-        if isinstance(value, bool) or not isinstance(value, (int, str)):
-            raise ValueError
-        ratio = Fraction(value)
-    except (ValueError, ZeroDivisionError):
-        raise InputError(f'{where} = {value!r} is not a whole number or a ratio "a/b"; give one') from None
-    if ratio <= 0:
-        raise InputError(f"{where} = {value!r} is out of range; give a positive number")
-    return float(ratio)
+def _range(table: Mapping, where: str, robot: Robot, index: int) -> tuple[float, float]:
+    """Working range of an axis: what robot.toml gives, else what the robot says."""
+    ends = {key: finite(table, where, key) for key in ("low", "high") if key in table}
+    if len(ends) < 2:
+        known = robot.ranges if isinstance(robot, HasRanges) else (robot.bounds.q_low, robot.bounds.q_high)
+        ends = {"low": float(known[0][index]), "high": float(known[1][index])} | ends
+    if ends["low"] >= ends["high"]:
+        raise InputError(f"{where}: low = {ends['low']:g} is not below high = {ends['high']:g}; correct them")
+    return ends["low"], ends["high"]
 
 
 def _flat(value, key: str = ""):

@@ -1,10 +1,10 @@
 """What a robot is to the rest of the package: positions to efforts, over a workspace.
 
 A robot of another package registers its kind under the entry point ``gravcomp.robots``: a callable that takes the
-tables of robot.toml and the name of the file for messages, and returns a Robot.
+tables of robot.toml and the path of that file, for messages and for files beside it, and returns a Robot.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -58,6 +58,26 @@ class Robot(Protocol):
 
     def workspace(self, n_poses: int, seed: int) -> np.ndarray:
         """Positions (n_poses, n) drawn from the workspace."""
+        ...
+
+
+@runtime_checkable
+class HasRanges(Protocol):
+    """Knows the ranges of its axes without its bounds, which may take a search."""
+
+    @property
+    def ranges(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest position of each axis, (n,) each, m or rad, unless robot.toml gives others."""
+        ...
+
+
+@runtime_checkable
+class ReadsFiles(Protocol):
+    """Is described by files beside robot.toml: they belong to the machine folder and to its hash."""
+
+    @property
+    def files(self) -> Mapping[str, bytes]:
+        """Content by name, relative to the folder of robot.toml."""
         ...
 
 

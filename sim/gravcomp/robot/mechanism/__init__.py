@@ -1,0 +1,1 @@
+"""Robots of a URDF or MJCF file: [model] kind = "mujoco"."""

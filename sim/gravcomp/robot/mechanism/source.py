@@ -1,0 +1,121 @@
+"""A URDF or MJCF file, read by MuJoCo for what statics need: the tree of bodies, joints, masses, loops.
+
+Geometry isn't read: meshes need not be there. A body of an MJCF without <inertial> has the masses of its simple geoms,
+as in MuJoCo; a link of a URDF without <inertial> has none. Inertias aren't read either.
+"""
+
+import math
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from gravcomp.errors import InputError, optional
+
+# Below what statics see; bodies without mass would not compile.
+MASSLESS_KG = 1e-12
+_MASS_IN_GEOMETRY = ("MESH", "HFIELD", "SDF")
+
+
+def engine():
+    """The module mujoco, an extra. Raises InputError where it is not installed."""
+    return optional("mujoco", "mujoco", 'a robot of kind = "mujoco"')
+
+
+def compile_model(path: Path):
+    """The mujoco.MjModel of a file, without its geometry. Raises InputError naming the file, and body or line."""
+    mujoco = engine()
+    if not path.is_file():
+        raise InputError(f"{path}: not found; put the URDF or MJCF there, or correct [model] file")
+    mujoco.set_mju_user_warning(lambda message: None)  # or the engine leaves a log file
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+        _leave_statics(spec, path, mujoco)
+        model = spec.compile()
+    except (ValueError, UnicodeDecodeError) as error:
+        message = " ".join(str(error).split())
+        raise InputError(f"{path}: not a URDF or MJCF that MuJoCo reads ({message}); correct it") from error
+    _check_springs(path, model, mujoco)
+    return model
+
+
+def sources(path: Path) -> dict[str, bytes]:
+    """The file and those that it includes, content by name relative to its folder. Raises InputError."""
+    found, waiting = {}, [path]
+    while waiting:
+        file = waiting.pop()
+        name = file.relative_to(path.parent).as_posix()
+        if name in found:
+            continue
+        try:
+            found[name] = file.read_bytes()
+            included = [element.get("file", "") for element in ElementTree.fromstring(found[name]).iter("include")]
+        except (OSError, ElementTree.ParseError) as error:
+            raise InputError(f"{file}: cannot be read ({error}); correct or mend it") from error
+        waiting += [_beside(path, name) for name in included]
+    return found
+
+
+def _beside(path: Path, name: str) -> Path:
+    """A file that path includes: MuJoCo looks for it from the folder of the outermost file."""
+    file = path.parent / name
+    if not file.resolve().is_relative_to(path.parent.resolve()):
+        raise InputError(f"{path}: includes {name}, outside its folder; put it beside, a machine folder is whole")
+    return file
+
+
+def _leave_statics(spec, path: Path, mujoco) -> None:
+    """Take away all that statics don't need, so that nothing of it can fail to compile."""
+    is_urdf = _root_tag(path) == "robot"
+    from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    for body in spec.bodies:
+        _check_mass(path, "body", body.name, body.mass)
+        if body.explicitinertial and not from_geoms:
+            body.fullinertia, body.inertia = [math.nan] * 6, [1.0] * 3
+        has_inertia = is_urdf or body.name == "world" or (body.explicitinertial and not from_geoms)
+        for geom in list(body.geoms):
+            if not has_inertia:
+                _check_geom(path, body, geom)
+            if has_inertia or _is_mesh(geom):
+                spec.delete(geom)
+    for kind in ("meshes", "hfields", "skins", "flexes", "textures", "materials", "sensors", "pairs", "excludes"):
+        for item in list(getattr(spec, kind)):
+            spec.delete(item)
+    spec.compiler.fusestatic = False  # keeps the names of links on fixed joints
+    spec.compiler.balanceinertia = True
+    spec.compiler.boundmass = spec.compiler.boundinertia = MASSLESS_KG
+
+
+def _check_springs(path: Path, model, mujoco) -> None:
+    is_simple = np.isin(model.jnt_type, [mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE])
+    is_odd = (model.jnt_stiffness > 0) & ~is_simple | model.jnt_stiffnesspoly.any(axis=1)
+    for joint in np.flatnonzero(is_odd):
+        raise InputError(
+            f"{path}: joint {model.joint(joint).name!r}: only linear springs of hinges and slides are held"
+        )
+    if (model.tendon_stiffness > 0).any():
+        raise InputError(f"{path}: springs of tendons are not held; give joints a stiffness instead")
+
+
+def _root_tag(path: Path) -> str:
+    return ElementTree.parse(path).getroot().tag
+
+
+def _is_mesh(geom) -> bool:
+    return geom.type.name.rpartition("_")[2] in _MASS_IN_GEOMETRY
+
+
+def _check_geom(path: Path, body, geom) -> None:
+    """A geom that gives its body mass must have a shape that is read, and no negative mass."""
+    _check_mass(path, "geom of body", body.name, geom.mass)
+    _check_mass(path, "geom (density) of body", body.name, geom.density)
+    is_weightless = geom.mass == 0 or (math.isnan(geom.mass) and geom.density == 0)
+    if _is_mesh(geom) and not is_weightless:
+        raise InputError(
+            f"{path}: body {body.name!r} has its mass from a mesh, and meshes are not read; give it an <inertial>"
+        )
+
+
+def _check_mass(path: Path, what: str, name: str, mass_kg: float) -> None:
+    if mass_kg < 0 or math.isinf(mass_kg):
+        raise InputError(f"{path}: {what} {name!r} has mass {mass_kg:g} kg; give a finite one, zero or more")
