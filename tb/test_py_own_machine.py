@@ -1,0 +1,97 @@
+"""No command reads a robot but that of its weights or of --robot: every file that each of them opens is looked at."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from codes import ROOT
+from gravcomp.cli import COMMANDS
+from gravcomp.loop.loop import RUNS, SAMPLES, answer_file
+from gravcomp.robot.machine import ROBOT_TOML, load_machine
+from machines import SHIPPED, changed, machine_folder
+from measured_samples import holds
+
+# What the tree has of a machine.
+OTHERS = (ROOT / "weights", ROOT / "rtl" / "generated", ROOT / "data")
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A working folder outside the tree: machine/ differs from the shipped one by its motors, log.csv is of it."""
+    folder = tmp_path_factory.mktemp("elsewhere")
+    machine_folder(folder / "machine", text=changed(("effort_per_ampere = 45.0", "effort_per_ampere = 20.0")))
+    data = holds(80, 4)
+    force = load_machine(folder / "machine").robot.forces(data.q) + 1.5 * np.sign(data.v)
+    head = "t_s," + ",".join(f"{c}{i}_{u}" for c, u in (("q", "m"), ("v", "mps"), ("f", "n")) for i in (1, 2, 3))
+    rows = np.column_stack([data.t_s, data.q, data.v, force + 0.1 * np.random.default_rng(1).normal(size=data.shape)])
+    np.savetxt(folder / "log.csv", rows, delimiter=",", header=head, comments="")
+    (folder / "turn.txt").write_text("Time,Position,Iq\n" + "".join(f"{k},{k / 99},0.1\n" for k in range(40)))
+    return folder
+
+
+def opened(place, commands: dict[str, list[str]]) -> dict[str, set]:
+    """Files that each command opens; all of them must end well."""
+    run = subprocess.run(
+        [sys.executable, str(ROOT / "tb" / "opened.py")],
+        cwd=place,
+        env={**os.environ, "PYTHONPATH": str(ROOT / "sim"), "OMP_NUM_THREADS": "1"},
+        input=json.dumps([[name, *arguments] for name, arguments in commands.items()]),
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    return {name: set(map(Path, files)) for name, files in zip(commands, json.loads(run.stdout), strict=True)}
+
+
+def is_elsewhere(path: Path, place: Path) -> bool:
+    """A robot.toml that is not of the working folder, or what the tree has of a machine."""
+    parents = set(path.parents)
+    return (path.name == ROBOT_TOML and place not in parents) or not parents.isdisjoint(OTHERS)
+
+
+def answer_for_the_rtl(loop):
+    """Leave what the RTL leaves."""
+    with np.load(loop / SAMPLES) as samples:
+        for run in RUNS:
+            np.save(answer_file(loop, run), np.zeros(samples["q_m"].shape))
+
+
+CASES = {
+    "train": ["--from", "machine", "--out", "trained", "--poses", "20"],
+    "adopt": ["machine"],
+    "formats": ["--weights", "machine"],
+    "rom": ["--weights", "machine", "--out", "generated"],
+    "image": ["--weights", "machine", "--rom", "machine", "--out", "image.bin"],
+    "diagnose": ["log.csv", "--robot", "machine", "--out", "report"],
+    "loop": ["log.csv", "--weights", "machine", "--save", "next"],
+    "loop-report": [],
+    "measure": ["--robot", "machine", "--points", "40", "--out", "measured.csv"],
+    "import": ["anticogging", "turn.txt", "--out", "imported.csv"],
+}
+WITHOUT_A_ROBOT = {"loop-report", "import"}
+
+
+def test_every_command_is_looked_at():
+    assert set(CASES) == set(COMMANDS)
+
+
+@pytest.mark.slow
+def test_commands_read_no_robot_but_their_own(place):
+    last = "loop-report"  # of what the RTL has left
+    files = opened(place, {name: CASES[name] for name in CASES if name != last})
+    answer_for_the_rtl(place / "build" / "loop")
+    files |= opened(place, {last: CASES[last]})
+    own = place / "machine" / ROBOT_TOML
+    assert {name for name in files if own not in files[name]} == WITHOUT_A_ROBOT
+    foreign = {name: [path for path in paths if is_elsewhere(path, place)] for name, paths in files.items()}
+    assert foreign == {name: [] for name in CASES}
+
+
+def test_a_look_at_the_shipped_robot_is_seen(place):
+    files = opened(place, {"formats": ["--weights", str(SHIPPED)]})["formats"]
+    assert SHIPPED / ROBOT_TOML in {path for path in files if is_elsewhere(path, place)}
