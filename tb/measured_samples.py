@@ -1,5 +1,7 @@
 """Samples of the built-in robot for tests of the measured side: holds and slow motion, without any effect or noise."""
 
+from pathlib import Path
+
 import numpy as np
 
 from gravcomp.logs.measurement import Measurement
@@ -9,6 +11,7 @@ REACH_M = 0.08  # inside the joint space for any combination of signs
 MOTION_M = 0.06
 MOTION_RAD_PER_S = np.array([0.5, 0.67, 0.83])
 MOTION_PHASE_RAD = np.array([0.3, 1.1, 2.0])
+QUANTITIES = (("q", "m"), ("v", "mps"), ("f", "n"))
 
 
 def sampled(t_s, q, v, temp_c=None) -> Measurement:
@@ -24,6 +27,14 @@ def holds(n: int, seed: int) -> Measurement:
     q = rng.uniform(-REACH_M, REACH_M, (n, 3))
     v = np.exp(rng.uniform(np.log(2e-4), np.log(1e-2), q.shape)) * rng.choice([-1.0, 1.0], q.shape)
     return sampled(2.0 * np.arange(n), q, v, np.linspace(20.0, 40.0, n))
+
+
+def write_log(path: Path, t_s, q_m, v_mps, force_n) -> None:
+    """A log as a robot's control writes it: positions, velocities and forces of n axes."""
+    axes = range(1, q_m.shape[1] + 1)
+    head = ",".join(["t_s", *(f"{name}{axis}_{unit}" for name, unit in QUANTITIES for axis in axes)])
+    rows = np.column_stack([t_s, q_m, v_mps, force_n])
+    np.savetxt(path, rows, "%.9g", delimiter=",", header=head, comments="")
 
 
 def motion(n: int) -> Measurement:

@@ -14,7 +14,7 @@ from gravcomp.loop.loop import SAMPLES
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from machines import changed, machine_folder
-from measured_samples import holds
+from measured_samples import holds, write_log
 
 WEIGHTS = ROOT / "weights" / "spheiro"
 FC_N = np.array([1.0, 2.0, 1.5])
@@ -28,9 +28,7 @@ def heavy(tmp_path_factory):
     data = holds(160, 4)
     statics = load_machine(folder / "machine").robot.forces(data.q)
     force = statics + FC_N * np.sign(data.v) + 0.1 * np.random.default_rng(1).standard_normal(data.shape)
-    head = "t_s," + ",".join(f"{c}{i}_{u}" for c, u in (("q", "m"), ("v", "mps"), ("f", "n")) for i in (1, 2, 3))
-    rows = np.column_stack([data.t_s, data.q, data.v, force])
-    (folder / "log.csv").write_text("\n".join([head, *(",".join(f"{x:.9g}" for x in row) for row in rows)]) + "\n")
+    write_log(folder / "log.csv", data.t_s, data.q, data.v, force)
     return folder
 
 

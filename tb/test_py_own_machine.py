@@ -14,7 +14,7 @@ from gravcomp.cli import COMMANDS
 from gravcomp.loop.loop import RUNS, SAMPLES, answer_file
 from gravcomp.robot.machine import ROBOT_TOML, load_machine
 from machines import SHIPPED, changed, machine_folder
-from measured_samples import holds
+from measured_samples import holds, write_log
 
 # What the tree has of a machine.
 OTHERS = (ROOT / "weights", ROOT / "rtl" / "generated", ROOT / "data")
@@ -27,9 +27,8 @@ def place(tmp_path_factory):
     machine_folder(folder / "machine", text=changed(("effort_per_ampere = 45.0", "effort_per_ampere = 20.0")))
     data = holds(80, 4)
     force = load_machine(folder / "machine").robot.forces(data.q) + 1.5 * np.sign(data.v)
-    head = "t_s," + ",".join(f"{c}{i}_{u}" for c, u in (("q", "m"), ("v", "mps"), ("f", "n")) for i in (1, 2, 3))
-    rows = np.column_stack([data.t_s, data.q, data.v, force + 0.1 * np.random.default_rng(1).normal(size=data.shape)])
-    np.savetxt(folder / "log.csv", rows, delimiter=",", header=head, comments="")
+    noise = 0.1 * np.random.default_rng(1).standard_normal(data.shape)
+    write_log(folder / "log.csv", data.t_s, data.q, data.v, force + noise)
     (folder / "turn.txt").write_text("Time,Position,Iq\n" + "".join(f"{k},{k / 99},0.1\n" for k in range(40)))
     return folder
 

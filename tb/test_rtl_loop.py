@@ -11,8 +11,11 @@ from types import SimpleNamespace
 import cocotb
 import numpy as np
 import pytest
+from cocotb.triggers import Timer
 
 from codes import ROOT, fixed_compensation, fixed_network, pack, unpack
+from gravcomp.cli import main
+from gravcomp.core.compensation import load_compensation
 from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.diagnosis.model import Model
 from gravcomp.errors import InputError
@@ -31,12 +34,17 @@ from gravcomp.loop.loop import (
 from gravcomp.training.training import workspace_set
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
-from machines import MACHINE
+from machines import MACHINE, SHIPPED
+from measured_samples import write_log
 from runner import simulate
 from stream import start, stream
+from support.board import Board
 
 LOOP = Path(os.environ.get("LOOP", "")).resolve()
 LANES, CORE_LATENCY = 4, 23
+# Coulomb and viscous friction of every axis; speeds at which the pins show it, axis by axis.
+COULOMB_N, VISCOUS_NS_PER_M = 1.5, 20.0
+SPEEDS_MPS = np.array([0.2, -0.4, 0.8])
 
 
 @cocotb.test()
@@ -125,3 +133,52 @@ def test_loop_brings_found_effects_into_the_rtl(tmp_path):
     assert rms_n["analytic model"][1] < 0.11
     assert rms_n["network"][1] < 0.18
     assert rms_n["RTL"][1] == pytest.approx(rms_n["network"][1], abs=0.01)
+
+
+@cocotb.test()
+async def friction_at_the_pins(dut):
+    """Edges come at speeds in m/s of the simulated time: what the core makes of them depends on its own clock."""
+    board = Board(dut)
+    await board.start()
+    edge_ps = np.rint(1e12 * MACHINE.drive.unit_per_count / np.abs(SPEEDS_MPS)).astype(int)
+
+    async def move(axis: int) -> None:
+        while True:
+            await Timer(int(edge_ps[axis]), "ps")
+            board.position[axis] += int(np.sign(SPEEDS_MPS[axis]))
+            board.drive()
+
+    for axis in range(len(SPEEDS_MPS)):
+        cocotb.start_soon(move(axis))
+    await Timer(10 * int(edge_ps.max()), "ps")
+    await board.registers.write("command", 1 << board.registers.map["command"].fields["start"][0])
+    while await board.registers.read("result_number") == 0:
+        pass
+    position, force_mn = [np.array(await board.registers.read_axes(name)) for name in ("position", "force_mn")]
+    friction_n = (force_mn - bittrue.core(position, fixed_network()).force_mn) / 1e3
+    print(f"MEASURED friction {friction_n} N at {SPEEDS_MPS} m/s")
+    np.testing.assert_allclose(friction_n, np.sign(SPEEDS_MPS) * COULOMB_N + VISCOUS_NS_PER_M * SPEEDS_MPS, rtol=0.03)
+
+
+@pytest.mark.slow
+def test_friction_that_the_loop_found_is_that_of_the_speed_at_the_pins_of_gc_system(tmp_path):
+    """The whole chain at the clock of the machine folder: a ROM for another clock has the wrong viscous part."""
+    rng = np.random.default_rng(6)
+    q_m = MACHINE.robot.workspace(200, 6)
+    v_mps = rng.uniform(0.02, 1.0, q_m.shape) * rng.choice([-1, 1], q_m.shape)
+    friction_n = COULOMB_N * np.sign(v_mps) + VISCOUS_NS_PER_M * v_mps
+    force_n = MACHINE.robot.forces(q_m) + friction_n + 0.1 * rng.standard_normal(q_m.shape)
+    write_log(tmp_path / "log.csv", 2.0 * np.arange(len(q_m)), q_m, v_mps, force_n)
+    out = tmp_path / "loop"
+    assert main(["loop", str(tmp_path / "log.csv"), "--weights", str(SHIPPED), "--out", str(out)]) == 0
+    found = load_compensation(weights_folder(out, "after"), 3)
+    np.testing.assert_allclose(found.b_pos_ns_per_m, VISCOUS_NS_PER_M, rtol=0.02)
+    simulate(
+        "gc_system",
+        "test_rtl_loop",
+        generics={"lanes_g": LANES},
+        label="friction",
+        generated=generated_folder(out, "after"),
+        environment={"WEIGHTS": str(weights_folder(out, "after"))},
+        tests=r"\.friction_at_the_pins$",
+    )
