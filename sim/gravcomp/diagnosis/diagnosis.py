@@ -41,7 +41,8 @@ class Diagnosis:
     """What was found: the fit, the held-out errors and the verdict. Errors (n, k) in the unit of the data.
 
     ``before`` is of the log as its sensors wrote it; ``left_out`` (n, k) marks gross errors, which no error, share or
-    noise counts; ``noise`` no model made, ``noise_floor`` is that of the fit; ``notes`` tell what columns got wrong.
+    noise counts; ``noise`` no model made, ``over_noise`` is what is left in units of it, ``noise_floor`` is that of the
+    fit; ``notes`` tell what columns got wrong.
     """
 
     data: Measurement
@@ -56,6 +57,7 @@ class Diagnosis:
     shares: dict[str, float]
     noise_floor: float
     noise: Noise
+    over_noise: float
     untestable: dict[str, str]
     left: list[dict]
     left_out: np.ndarray
@@ -85,12 +87,12 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
     use = ~left_out & ~data.is_undecided
     left = leftover.find(data, after, rows, blocks, found.noise, seed)
     tick("report")
-    noise = model_free(data, after, use.all(axis=1))
+    noise = model_free(data, after, use)
     counted = is_test[:, None] & ~left_out
     share = verdict.shares(data, fit, counted, written, after)
     share |= _shares_of_sensors(of_sensors, counted, written, before)
     whole = Fit((*of_sensors, *fit.effects), fit.corrections)
-    over_noise = verdict.remainder(after, use, is_test, noise)
+    over_noise = verdict.remainder(after, ~left_out & ~data.is_reversing, is_test, noise)
     notes, is_hidden = _words(data, after, fit)
     return Diagnosis(
         data=data,
@@ -105,6 +107,7 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
         shares=share,
         noise_floor=_noise_floor(after[train], use[train], fit),
         noise=noise,
+        over_noise=over_noise,
         untestable=_untestable(data),
         left=left,
         left_out=left_out,

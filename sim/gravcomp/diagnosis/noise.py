@@ -1,8 +1,15 @@
 """The noise of a log that no model made: differences of samples that the machine cannot tell apart.
 
-Half the mean square of the difference between a sample and its nearest neighbour in position, direction and speed
-(never one beside it in time) is the variance of the noise, and of all that the log's variables don't decide. It is
-taken of the residual, whose model part hardly changes between neighbours.
+Each estimate is the noise and something beside it, so the least of them is taken, axis by axis:
+
+- in time: second differences r(t-h) - 2 r(t) + r(t+h) within one direction, whose variance is six times that of the
+  noise whatever is smooth beside it; the largest over strides h within which the pose hardly moves, as noise that
+  is correlated over a few samples shows at the longer ones only;
+- in pose: half the mean square of the difference to the p-th nearest neighbour in position, direction and speed,
+  never one beside it in time, drawn over p to distance zero (the Gamma test: Evans and Jones, Proc. R. Soc. A 458,
+  2002).
+
+It is taken of the residual, whose model part hardly changes between neighbours.
 """
 
 from dataclasses import dataclass
@@ -10,17 +17,26 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from gravcomp.diagnosis.thresholds import NEIGHBOUR_FAR, NOISE_SAMPLES
+from gravcomp.diagnosis.thresholds import (
+    NEAR_NEIGHBOUR,
+    NOISE_SAMPLES,
+    NOISE_STRIDE,
+    NOISE_STRIDES,
+    NOISE_WINSOR,
+)
 from gravcomp.logs.measurement import Measurement
 
 _SPEED = 0.3  # weight of a speed beside a position: friction varies less with it
-_CANDIDATES = 24
+_NEIGHBOURS, _CANDIDATES = 8, 100
 _APART = 0.02  # of the log: samples nearer in time are no repeats, their noise may be the same
+_SAMPLES = 2500  # decide a standard deviation to 2 %
+_SAME_POSE = 1e-3
+_LEAST = 0.3  # of the variance between nearest neighbours: what the line through them may leave at distance zero
 
 
 @dataclass(frozen=True)
 class Noise:
-    """sigma (k,), and where it comes from; ``is_sure``: repeats or near neighbours there are."""
+    """sigma (k,), and where it comes from; ``is_sure``: repeats, near neighbours or a motion there are."""
 
     sigma: np.ndarray
     source: str
@@ -31,40 +47,98 @@ class Noise:
         return float(np.sqrt(np.mean(self.sigma**2)))
 
 
+@dataclass(frozen=True)
+class _Estimate:
+    sigma: float
+    source: str
+    is_sure: bool = True
+
+
 def model_free(data: Measurement, residual: np.ndarray, keep: np.ndarray) -> Noise:
-    """residual (n, k); keep (n,): rows without gross errors and of a known direction."""
+    """residual (n, k); keep (n, k): no gross errors, and of a known direction."""
+    best = [_of_axis(data, i, residual[:, i], keep[:, i]) for i in range(data.n_axes)]
+    source = " and ".join(dict.fromkeys(own.source for own in best))
+    return Noise(np.array([own.sigma for own in best]), source, all(own.is_sure for own in best))
+
+
+def _of_axis(data: Measurement, i: int, r: np.ndarray, keep: np.ndarray) -> _Estimate:
+    found = [_in_time(data, i, r, keep), _in_pose(data, i, r, keep, [i])]
+    if data.n_axes > 1 and data.has_velocity:
+        found.append(_in_pose(data, i, r, keep, range(data.n_axes)))
+    found = [own for own in found if own is not None]
+    if not found:
+        few = f"the remainder itself: fewer than {NOISE_SAMPLES} samples that can be compared"
+        return _Estimate(float(r[keep].std()) if keep.any() else 0.0, few, False)
+    least = min(found, key=lambda own: own.sigma)
+    return least if least.is_sure else _Estimate(least.sigma, least.source, any(own.is_sure for own in found))
+
+
+def _in_time(data: Measurement, i: int, r: np.ndarray, keep: np.ndarray) -> _Estimate | None:
+    n, run = len(r), data.runs
+    direction = data.direction[:, i] if data.has_velocity else np.zeros(n)
+    position, found = data.scaled_positions, []
+    for h in range(1, min(NOISE_STRIDES, (n - 1) // 2) + 1):
+        if h > 1 and data.is_ordered and np.median(np.abs(position[h:] - position[:-h]).max(axis=1)) > NOISE_STRIDE:
+            break
+        before, at, after = slice(0, n - 2 * h), slice(h, n - h), slice(2 * h, n)
+        use = keep[before] & keep[at] & keep[after] & (run[before] == run[after])
+        if data.is_ordered:
+            use &= (direction[before] == direction[at]) & (direction[at] == direction[after])
+        if use.sum() >= NOISE_SAMPLES:
+            found.append(_scale((r[before] - 2.0 * r[at] + r[after])[use]) / np.sqrt(6.0))
+    if not found:
+        return None
+    source = "differences of neighbours in time"
+    return _Estimate(max(found), source if data.is_ordered else f"{source}, whose poses differ", data.is_ordered)
+
+
+def _in_pose(data: Measurement, i: int, r: np.ndarray, keep: np.ndarray, moving) -> _Estimate | None:
+    """moving: axes whose direction and speed count, beside all positions."""
     rows = np.flatnonzero(keep)
+    rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), _SAMPLES)).astype(int)] if len(rows) else rows
     if len(rows) < NOISE_SAMPLES:
-        return Noise(residual[rows].std(axis=0), f"the remainder itself: fewer than {NOISE_SAMPLES} samples", False)
-    where = _state(data)[rows]
+        return None
+    where = _state(data, moving)[rows]
     distance, near = cKDTree(where).query(where, min(_CANDIDATES, len(rows)))
-    apart = np.abs(rows[near] - rows[:, None])
-    least = max(int(_APART * len(data.t_s)), 2) if data.is_ordered else 1
-    is_other = apart >= least
-    pick = is_other.argmax(axis=1)
-    has = is_other.any(axis=1)
-    index = np.flatnonzero(has)
-    if len(index) < NOISE_SAMPLES:
-        return Noise(_beside(residual[rows]), "differences of neighbours in time: no pose was passed again", False)
-    partner, away = near[index, pick[index]], distance[index, pick[index]]
-    difference = residual[rows[index]] - residual[rows[partner]]
-    sigma = np.sqrt(np.mean(difference**2, axis=0) / 2.0)
-    if np.median(away) < 1e-3:
-        return Noise(sigma, "repeats of a pose", True)
-    if np.median(away) < NEIGHBOUR_FAR:
-        return Noise(sigma, "neighbours in pose and speed", True)
-    return Noise(sigma, "neighbours in pose, far ones: the log has neither repeats nor near neighbours", False)
+    apart = max(_APART * len(r), 2.0) if data.is_ordered else 1.0
+    is_other = np.abs(rows[near] - rows[:, None]) >= apart
+    rank = np.cumsum(is_other, axis=1)
+    away, half = [], []
+    for p in range(1, _NEIGHBOURS + 1):
+        row, column = np.nonzero(is_other & (rank == p))
+        if len(row) < max(0.5 * len(rows), NOISE_SAMPLES):
+            break
+        away.append(np.mean(distance[row, column] ** 2))
+        half.append(_scale(r[rows[row]] - r[rows[near[row, column]]]) ** 2 / 2.0)
+    if not half:
+        return None
+    if np.sqrt(away[0]) < _SAME_POSE:
+        return _Estimate(float(np.sqrt(half[0])), "repeats of a pose")
+    if len(half) < _NEIGHBOURS:
+        return _Estimate(float(np.sqrt(half[0])), "neighbours in pose, far ones", False)
+    slope, start = np.polyfit(away, half, 1)
+    at_zero = max(start, _LEAST * half[0]) if slope > 0.0 else np.mean(half)
+    if np.sqrt(away[0]) < NEAR_NEIGHBOUR:
+        return _Estimate(float(np.sqrt(at_zero)), "neighbours in pose and speed")
+    if data.is_ordered:  # a line through few passes goes too low
+        return _Estimate(float(np.sqrt(half[0])), "neighbours in pose, far ones", False)
+    return _Estimate(float(np.sqrt(at_zero)), "neighbours in pose, far ones", False)
 
 
-def _state(data: Measurement) -> np.ndarray:
-    """What decides the effort of a sample: positions in parts of the range, directions, speeds."""
+def _state(data: Measurement, moving) -> np.ndarray:
+    """What decides the effort of an axis: positions in parts of the range, directions and speeds of axes that move."""
     parts = [data.scaled_positions]
     if data.has_velocity:
-        usual = np.quantile(np.abs(data.v), 0.95, axis=0)
-        parts += [data.direction, _SPEED * data.v / np.where(usual > 0.0, usual, 1.0)]
+        own = list(moving)
+        usual = np.quantile(np.abs(data.v[:, own]), 0.95, axis=0)
+        parts += [data.direction[:, own], _SPEED * data.v[:, own] / np.where(usual > 0.0, usual, 1.0)]
     return np.hstack(parts)
 
 
-def _beside(residual: np.ndarray) -> np.ndarray:
-    """Second differences along time: sigma of white noise, whatever is smooth beside it."""
-    return np.sqrt(np.mean(np.diff(residual, 2, axis=0) ** 2, axis=0) / 6.0)
+def _scale(d: np.ndarray) -> float:
+    """Root mean square of d (m,) with values beyond NOISE_WINSOR of it drawn in: the jumps of a few pairs."""
+    size = np.abs(d)
+    scale = 1.4826 * np.median(size) or size.std()
+    for _ in range(10):
+        scale = np.sqrt(np.mean(np.minimum(size, NOISE_WINSOR * scale) ** 2))
+    return float(scale)

@@ -45,6 +45,9 @@ def report(d: Diagnosis) -> dict:
         "noise_floor_n": d.noise_floor,
         "noise_model_free_n": d.noise.rms,
         "noise_model_free_from": d.noise.source,
+        "noise_model_free_is_sure": d.noise.is_sure,
+        "remainder_over_noise": d.over_noise,
+        "not_judged": _not_judged(d),
         "untestable": d.untestable,
         "left_out": {"gross_errors": int(np.count_nonzero(d.left_out)), "missing_values": d.data.n_dropped},
         "notes": list(d.notes),
@@ -52,6 +55,15 @@ def report(d: Diagnosis) -> dict:
         "n_test": int(np.count_nonzero(test)),
         "unit": d.data.unit,
     }  # fmt: skip
+
+
+def _not_judged(d: Diagnosis) -> dict:
+    """Samples at reversals, where friction may hold any force up to its level, and what is left of them."""
+    at = d.data.is_reversing & ~d.left_out
+    return {
+        "samples": int(np.count_nonzero(at)),
+        "rms_n": float(np.sqrt(np.mean(d.after[at] ** 2))) if at.any() else 0.0,
+    }
 
 
 def report_json(d: Diagnosis) -> str:
@@ -66,6 +78,13 @@ def words(content: dict) -> list[str]:
         out.append(
             f"left out: {left_out['gross_errors']} gross errors, {left_out['missing_values']} rows without a value"
         )
+    unit, still = content["unit"], content["not_judged"]
+    if still["samples"]:
+        out.append(f"not judged: {still['samples']} samples at reversals, where friction may hold any force up to its "
+                   f"level; {still['rms_n']:.3g} {unit} RMS left there")  # fmt: skip
+    if not content["noise_model_free_is_sure"]:
+        out.append("the noise is the best there is: the log has neither a motion, repeats nor near neighbours; hold "
+                   "some poses twice")  # fmt: skip
     by_reason: dict[str, list[str]] = {}
     for name, why in content["untestable"].items():
         by_reason.setdefault(why, []).append(name)
@@ -82,6 +101,7 @@ def table(content: dict) -> str:
         lines.append(f"{name:8}{e['rms_n']:12.4g}{e['max_n']:12.4g}{e['ave_pct']:10.3g}{e['max_pct']:10.3g}")
     free = f"{content['noise_model_free_n']:.4g} without a model, from {content['noise_model_free_from']}"
     lines.append(f"{'noise':8}{content['noise_floor_n']:12.4g} of the fit, {free}")
+    lines.append(f"left of what is judged: {content['remainder_over_noise']:.3g} times that noise")
     return "\n".join(lines)
 
 

@@ -39,7 +39,9 @@ AS_MUCH = 1.05  # of it: as good with fewer terms; tuned
 
 # The noise that no model made, and what the remainder may be
 NOISE_SAMPLES = 24  # differences: their deviation is known to 15 %
-NEIGHBOUR_FAR = 0.35  # of the range: farther neighbours differ by more than noise
+NOISE_STRIDE, NOISE_STRIDES = 0.03, 6  # of the range, and samples: a pose that moved less is the same; tuned
+NOISE_WINSOR = 5.0  # Student's t of 4 degrees has 0.7 % beyond, which count; jumps at reversals are larger
+NEAR_NEIGHBOUR = 0.1  # of the range: through farther ones no line can be drawn to distance zero; tuned
 REMAINDER = 1.2  # times that noise: more is never explained
 
 # Numbers

@@ -81,16 +81,20 @@ class Measurement:
         return np.where(np.abs(self.v) > self.dead_band, np.sign(self.v), 0.0)
 
     @cached_property
-    def is_undecided(self) -> np.ndarray:
+    def is_reversing(self) -> np.ndarray:
         """Entries (n, k) whose direction v doesn't tell: at a reversal friction may hold any force up to its level.
 
         None on an axis that stands still for long: there the model's sign(0) = 0 stands.
         """
         if self.v is None:
             return np.zeros(self.shape, bool)
-        undecided = self.direction == 0.0
-        undecided &= undecided.mean(axis=0) < _STANDS_STILL
-        return undecided if self.unsure is None else undecided | self.unsure
+        still = self.direction == 0.0
+        return still & (still.mean(axis=0) < _STANDS_STILL)
+
+    @property
+    def is_undecided(self) -> np.ndarray:
+        """Entries (n, k) whose direction is not sure, at a reversal or for another reason: no fit counts them."""
+        return self.is_reversing if self.unsure is None else self.is_reversing | self.unsure
 
     @cached_property
     def dead_band(self) -> np.ndarray:
