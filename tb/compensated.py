@@ -15,26 +15,26 @@ N_AXES = 3
 SLOW = parse_machine(changed(("clock_hz = 40e6", "clock_hz = 1e4")), "a slow core")
 CSV = """\
 axis,name,value
-all,v_dead_mps,2e-4
-all,v_full_mps,4e-4
-1,fc_pos_n,1.7
-1,fc_neg_n,1.1
-1,stribeck_n,0.9
-1,vs_mps,0.002
-1,b_pos_ns_per_m,310
-1,b_neg_ns_per_m,250
-1,v_max_mps,0.02
-2,fc_pos_n,-0.4
-2,fc_neg_n,130
+all,v_dead,2e-4
+all,v_full,4e-4
+1,fc_pos,1.7
+1,fc_neg,1.1
+1,stribeck,0.9
+1,vs,0.002
+1,b_pos,310
+1,b_neg,250
+1,v_max,0.02
+2,fc_pos,-0.4
+2,fc_neg,130
 2,mu,0.999999
-2,pitch_m,0.032
-2,a1_n,100
-2,a3_n,20
+2,pitch,0.032
+2,a1,100
+2,a3,20
 2,p3_rad,1
-3,pitch_m,0.00513
-3,a1_n,0.8
+3,pitch,0.00513
+3,a1,0.8
 3,p1_rad,0.4
-3,a2_n,0.3
+3,a2,0.3
 3,p2_rad,-2
 """
 

@@ -25,16 +25,16 @@ LOAD_PORTS = ("load_begin", "load_valid", "load_word", "load_commit", "load_crc"
 # Friction and cogging that are nowhere those of compensated.CSV, at speeds of a simulator's axes.
 OTHER_CSV = """\
 axis,name,value
-all,v_dead_mps,0.2
-all,v_full_mps,1
-all,fc_pos_n,3.3
-all,fc_neg_n,2.1
+all,v_dead,0.2
+all,v_full,1
+all,fc_pos,3.3
+all,fc_neg,2.1
 all,mu,0.02
-1,pitch_m,0.012
-2,pitch_m,0.021
-3,pitch_m,0.0077
-all,a1_n,5
-all,a5_n,1
+1,pitch,0.012
+2,pitch,0.021
+3,pitch,0.0077
+all,a1,5
+all,a5,1
 """
 
 

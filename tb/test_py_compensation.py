@@ -16,7 +16,7 @@ from machines import MACHINE
 
 M_PER_COUNT = MACHINE.drive.unit_per_count
 HEADER = "axis,name,value\n"
-DEAD_BAND = "all,v_dead_mps,1e-4\nall,v_full_mps,2e-4\n"
+DEAD_BAND = "all,v_dead,1e-4\nall,v_full,2e-4\n"
 
 
 @pytest.fixture(scope="module")
@@ -44,20 +44,20 @@ def test_compensation_survives_writing_and_reading(rich, tmp_path):
         (HEADER + "1,mu\n", "row 1: 2 columns"),
         (HEADER + "# note\n4,mu,0.1\n", "row 1, column axis: '4'"),
         (HEADER + "1,friction,0.1\n", "row 1, column name: 'friction'"),
-        (HEADER + "1,a33_n,0.1\n", "row 1, column name: 'a33_n'"),
-        (HEADER + "1,fc_pos_n,1\nall,fc_pos_n,2\n", "row 2, column name: fc_pos_n of axis 1 was given in row 1"),
-        (HEADER + "1,fc_pos_n,nan\n", "row 1, column value: 'nan'"),
+        (HEADER + "1,a33,0.1\n", "row 1, column name: 'a33'"),
+        (HEADER + "1,fc_pos,1\nall,fc_pos,2\n", "row 2, column name: fc_pos of axis 1 was given in row 1"),
+        (HEADER + "1,fc_pos,nan\n", "row 1, column value: 'nan'"),
         (HEADER + "1,mu,1\n", "row 1, column value: mu = 1 must be in"),
-        (HEADER + "1,pitch_m,-1\n", "row 1, column value: pitch_m = -1 must not"),
+        (HEADER + "1,pitch,-1\n", "row 1, column value: pitch = -1 must not"),
         (HEADER + "all,clock_hz,1e8\n", "row 1, column name: clock_hz stands in robot.toml"),
-        (HEADER + "2,fc_neg_n,1\n", "axis 2: v_dead_mps is missing"),
-        (HEADER + "2,fc_neg_n,1\nall,v_dead_mps,1e-4\n", "axis 2: v_full_mps must be above"),
-        (HEADER + DEAD_BAND + "1,stribeck_n,1\n", "axis 1: vs_mps is missing"),
-        (HEADER + "3,a1_n,1\n", "axis 3: pitch_m is missing"),
-        (HEADER + "3,a1_n,1\n3,pitch_m,511e-6\n", "axis 3: pitch_m is below 512 counts"),
-        (HEADER + "3,a1_n,132\n3,pitch_m,0.01\n", "axis 3: the harmonics exceed 131.071 N"),
-        (HEADER + DEAD_BAND + "1,fc_neg_n,-131.1\n", "axis 1: Coulomb and Stribeck friction exceed"),
-        (HEADER + "all,v_dead_mps,1e-9\nall,v_full_mps,1\n1,mu,0.1\n", "v_dead_mps is too slow"),
+        (HEADER + "2,fc_neg,1\n", "axis 2: v_dead is missing"),
+        (HEADER + "2,fc_neg,1\nall,v_dead,1e-4\n", "axis 2: v_full must be above"),
+        (HEADER + DEAD_BAND + "1,stribeck,1\n", "axis 1: vs is missing"),
+        (HEADER + "3,a1,1\n", "axis 3: pitch is missing"),
+        (HEADER + "3,a1,1\n3,pitch,511e-6\n", "axis 3: pitch is below 512 counts"),
+        (HEADER + "3,a1,132\n3,pitch,0.01\n", "axis 3: the harmonics exceed 131.071 N"),
+        (HEADER + DEAD_BAND + "1,fc_neg,-131.1\n", "axis 1: Coulomb and Stribeck friction exceed"),
+        (HEADER + "all,v_dead,1e-9\nall,v_full,1\n1,mu,0.1\n", "v_dead is too slow"),
     ],
 )
 def test_bad_compensation_is_named(tmp_path, text, complaint):
@@ -65,6 +65,19 @@ def test_bad_compensation_is_named(tmp_path, text, complaint):
         read(tmp_path, text)
     assert str(tmp_path / "compensation.csv") in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+def test_names_with_the_units_of_a_linear_axis_are_read_too(tmp_path):
+    rows = (("1,fc_pos", "_n", 1), ("1,stribeck", "_n", 2), ("1,vs", "_mps", 1e-3), ("1,b_neg", "_ns_per_m", 3),
+            ("1,v_dead", "_mps", 1e-4), ("1,v_full", "_mps", 2e-4), ("1,v_max", "_mps", 0.1), ("2,pitch", "_m", 0.01),
+            ("2,a2", "_n", 0.5), ("2,p2_rad", "", 1))  # fmt: skip
+    now, then = (
+        read(tmp_path, HEADER + "".join(f"{name}{unit * is_old},{value}\n" for name, unit, value in rows))
+        for is_old in (False, True)
+    )
+    for name, value in vars(now).items():
+        np.testing.assert_array_equal(getattr(then, name), value)
+        assert value.any() == (name != "mu")
 
 
 def test_without_a_file_the_compensator_is_transparent(tmp_path):
@@ -90,8 +103,8 @@ def test_friction_is_within_its_derived_bound_of_the_float_model(rich):
     period = period_of(speed * rng.choice([-1, 1], speed.shape), drive)
     v = 4 * drive.clock_hz * M_PER_COUNT / period
     force_mn = rng.integers(-130_000, 130_000, v.shape)
-    exact_mn = 1e3 * c.friction_n(v) + np.sign(v) * c.mu * np.abs(force_mn)
-    bound_mn = 1.5 + 1e3 * (2 / 512 * c.b_pos_ns_per_m * np.abs(v) * 9 / 8 + 1.22 / 512 * np.abs(c.stribeck_n))
+    exact_mn = 1e3 * c.friction(v) + np.sign(v) * c.mu * np.abs(force_mn)
+    bound_mn = 1.5 + 1e3 * (2 / 512 * c.b_pos * np.abs(v) * 9 / 8 + 1.22 / 512 * np.abs(c.stribeck))
     bound_mn = bound_mn + 2.0**-17 * np.abs(force_mn)
     part = np.abs(friction(force_mn, period, fixed) - exact_mn) / bound_mn
     assert part.max() <= 1
@@ -103,11 +116,11 @@ def test_friction_differs_by_direction(rich):
     rest, period = np.zeros((1, N_AXES), int), np.full((1, N_AXES), 16)
     forward, backward = friction(rest, period, fixed), friction(rest, -period, fixed)
     v = np.full(N_AXES, SLOW.drive.clock_hz * 4 * M_PER_COUNT / 16)
-    np.testing.assert_allclose(forward[0], 1e3 * c.friction_n(v), atol=1.0)
-    np.testing.assert_allclose(backward[0], 1e3 * c.friction_n(-v), atol=1.0)
+    np.testing.assert_allclose(forward[0], 1e3 * c.friction(v), atol=1.0)
+    np.testing.assert_allclose(backward[0], 1e3 * c.friction(-v), atol=1.0)
     assert forward[0, 0] > 0 > backward[0, 0]
     assert forward[0, 0] + backward[0, 0] == pytest.approx(
-        1e3 * (c.fc_pos_n - c.fc_neg_n + (c.b_pos_ns_per_m - c.b_neg_ns_per_m) * v)[0], abs=2.0
+        1e3 * (c.fc_pos - c.fc_neg + (c.b_pos - c.b_neg) * v)[0], abs=2.0
     )
 
 
@@ -120,13 +133,13 @@ def test_friction_rises_from_zero_and_never_changes_sign(rich):
     assert (up >= 0).all()
     assert (down <= 0).all()
     v = 4 * SLOW.drive.clock_hz * M_PER_COUNT[0] / period
-    still = v <= c.v_dead_mps[0] * 8 / 9
+    still = v <= c.v_dead[0] * 8 / 9
     assert still.any()
     assert not up[still].any()
     assert not down[still].any()
-    in_ramp = (v > c.v_dead_mps[0]) & (v < c.v_full_mps[0])
+    in_ramp = (v > c.v_dead[0]) & (v < c.v_full[0])
     assert (np.diff(up[in_ramp]) <= 0).all(), "it must fall as the axis slows down"
-    assert (up[in_ramp] <= 1e3 * (c.fc_pos_n + c.stribeck_n + c.b_pos_ns_per_m * c.v_full_mps)[0] + 1).all()
+    assert (up[in_ramp] <= 1e3 * (c.fc_pos + c.stribeck + c.b_pos * c.v_full)[0] + 1).all()
 
 
 @pytest.mark.parametrize("pace", [8, 40, 300])
@@ -153,12 +166,12 @@ def test_position_table_is_within_its_derived_bound_and_wraps(rich):
     c, fixed = rich
     rng = np.random.default_rng(4)
     count = rng.integers(-160_000, 160_000, (20_000, N_AXES))
-    pitch_counts = np.where(c.pitch_m > 0, c.pitch_m / M_PER_COUNT, 1.0)
-    h = np.arange(1, c.a_n.shape[1] + 1)
-    chord_mn = 1e3 * np.sum(np.abs(c.a_n) * (2 * np.pi * h / 256) ** 2 / 8, axis=1)
-    slope_mn = 1e3 * np.sum(np.abs(c.a_n) * 2 * np.pi * h, axis=1)
+    pitch_counts = np.where(c.pitch > 0, c.pitch / M_PER_COUNT, 1.0)
+    h = np.arange(1, c.amplitude.shape[1] + 1)
+    chord_mn = 1e3 * np.sum(np.abs(c.amplitude) * (2 * np.pi * h / 256) ** 2 / 8, axis=1)
+    slope_mn = 1e3 * np.sum(np.abs(c.amplitude) * 2 * np.pi * h, axis=1)
     drift_turns = np.abs(count) * 2.0**-33 + 2.0**-25
-    error_mn = np.abs(position_table(count, fixed) - 1e3 * c.cogging_n(count / pitch_counts))
+    error_mn = np.abs(position_table(count, fixed) - 1e3 * c.cogging(count / pitch_counts))
     assert (error_mn <= 1.0 + chord_mn + slope_mn * drift_turns).all()
     step_mn = slope_mn / pitch_counts + 2.0
     around = np.arange(-40_000, 40_000)[:, None] + np.zeros(N_AXES, int)
@@ -169,8 +182,8 @@ def test_position_table_is_within_its_derived_bound_and_wraps(rich):
 
 def test_nothing_overflows_before_the_saturation(rich, tmp_path):
     """Constants at their limits and inputs at their corners stay in the widths that the entities have."""
-    text = HEADER + DEAD_BAND + "all,fc_pos_n,131\nall,fc_neg_n,131\nall,b_pos_ns_per_m,1e9\nall,mu,-0.999999\n"
-    limits = read(tmp_path, text + "all,pitch_m,0.01\nall,a1_n,131\n")
+    text = HEADER + DEAD_BAND + "all,fc_pos,131\nall,fc_neg,131\nall,b_pos,1e9\nall,mu,-0.999999\n"
+    limits = read(tmp_path, text + "all,pitch,0.01\nall,a1,131\n")
     corners = np.array([-(2 ** (FORCE_BITS - 1)), -1, 0, 1, 2 ** (FORCE_BITS - 1) - 1])
     force, period, count = np.meshgrid(
         corners, [-(2**31), -(2**31) + 1, -5000, -1, 0, 1, 5000, NO_PERIOD], [-(2**31), -2500, 0, 2500, 2**31 - 1]

@@ -57,7 +57,7 @@ def test_loop_takes_the_robot_it_is_given(heavy, printed):
 def test_result_is_kept_as_a_weights_folder_with_its_provenance(heavy, printed, tmp_path):
     kept = heavy / "weights" / "mine"
     constants = load_compensation(kept, 3)
-    np.testing.assert_allclose([constants.fc_pos_n, constants.fc_neg_n], [FC_N, FC_N], atol=0.05)
+    np.testing.assert_allclose([constants.fc_pos, constants.fc_neg], [FC_N, FC_N], atol=0.05)
     np.testing.assert_array_equal(load_network(kept).hidden_weights, load_network(WEIGHTS).hidden_weights)
     provenance = json.loads((kept / "provenance.json").read_text())
     assert provenance["data"]["log"] == "log.csv"
@@ -73,7 +73,7 @@ def test_effects_that_the_model_has_stay_in_the_hardware(heavy, printed):
     assert main(["loop", *arguments, "--out", str(heavy / "second")]) == 0
     assert json.loads((heavy / "second" / "report.json").read_text())["verdict"] == "nothing_missing"
     first, second = (load_compensation(heavy / run / "after" / "weights", 3) for run in ("out", "second"))
-    np.testing.assert_array_equal(second.fc_pos_n, first.fc_pos_n)
+    np.testing.assert_array_equal(second.fc_pos, first.fc_pos)
 
 
 def test_folder_without_a_machine_is_refused_in_one_line(heavy, capsys):

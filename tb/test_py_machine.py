@@ -18,8 +18,8 @@ from gravcomp.training.scaling import workspace_scaling
 from gravcomp.twin.compensator import friction, period_of
 from machines import MACHINE, SHIPPED, changed, machine_folder
 
-FRICTION = "axis,name,value\nall,fc_pos_n,3\nall,fc_neg_n,3\nall,b_pos_ns_per_m,200\nall,b_neg_ns_per_m,200\n" + (
-    "all,v_dead_mps,1e-4\nall,v_full_mps,2e-4\n"
+FRICTION = "axis,name,value\nall,fc_pos,3\nall,fc_neg,3\nall,b_pos,200\nall,b_neg,200\n" + (
+    "all,v_dead,1e-4\nall,v_full,2e-4\n"
 )
 # Machines that the core can be built for without training again, by what differs.
 DRIVES = {
@@ -100,7 +100,7 @@ def test_friction_is_that_of_the_speed_whatever_encoder_and_clock(folder, change
     drive, v = content.machine.drive, np.full((1, 3), 4e-3)
     fixed = quantise_compensation(content.compensation, drive, folder)
     found_mn = friction(np.zeros((1, 3), int), period_of(v, drive), fixed)
-    np.testing.assert_allclose(found_mn, 1e3 * content.compensation.friction_n(v), atol=10)
+    np.testing.assert_allclose(found_mn, 1e3 * content.compensation.friction(v), atol=10)
 
 
 @pytest.mark.parametrize("change", STATICS)

@@ -124,7 +124,7 @@ def test_core_holds_the_statics_without_effects_and_adds_friction_with_them(outw
     assert isinstance(plain, FieldCore)
     assert rms(plain.forces(outward) - outward.nominal) < 0.3
     added = rubbing.forces(outward) - plain.forces(outward)
-    is_moving = np.abs(outward.v[:, 0]) > 1.1 * rubbing.constants.v_full_mps[0]  # the slowest have it in part
+    is_moving = np.abs(outward.v[:, 0]) > 1.1 * rubbing.constants.v_full[0]  # the slowest have it in part
     assert is_moving.mean() > 0.8
     # 2 mN: the table's rounding and that of the two ends of its interpolation.
     np.testing.assert_allclose(added[is_moving], 1.5 * np.sign(outward.v[is_moving]) * [1, 0, 0], atol=2e-3)

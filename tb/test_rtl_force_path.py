@@ -258,7 +258,7 @@ def test_top_with_a_compensator_follows_a_short_motion(tmp_path):
 
 
 def test_top_flags_a_force_that_friction_takes_past_its_format(tmp_path):
-    clock = "axis,name,value\nall,v_dead_mps,2e-4\nall,v_full_mps,4e-4\n"
+    clock = "axis,name,value\nall,v_dead,2e-4\nall,v_full,4e-4\n"
     folder = compensated_weights(tmp_path, clock + "1,mu,0.999\n2,mu,0.999\n3,mu,0.999\n")
     scaling = (folder / "scaling.csv").read_text().replace("58.5,71.5", "5000,2000")  # 3 to 7 kN; 8.4 kN fit
     (folder / "scaling.csv").write_text(scaling)

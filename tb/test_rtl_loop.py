@@ -172,7 +172,7 @@ def test_friction_that_the_loop_found_is_that_of_the_speed_at_the_pins_of_gc_sys
     out = tmp_path / "loop"
     assert main(["loop", str(tmp_path / "log.csv"), "--weights", str(SHIPPED), "--out", str(out)]) == 0
     found = load_compensation(weights_folder(out, "after"), 3)
-    np.testing.assert_allclose(found.b_pos_ns_per_m, VISCOUS_NS_PER_M, rtol=0.02)
+    np.testing.assert_allclose(found.b_pos, VISCOUS_NS_PER_M, rtol=0.02)
     simulate(
         "gc_system",
         "test_rtl_loop",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The machine folder spheiro. Written by `make rom`.
+ * Written by `make rom` from weights/spheiro. Do not edit.
  */
 #ifndef GRAVCOMP_MACHINE_H
 #define GRAVCOMP_MACHINE_H

@@ -28,8 +28,8 @@ def run(arguments):
         raise InputError(f"{folder / SCALING_CSV}: axes and units are not those of robot.toml; correct one of them")
     poses = workspace_set(N_TEST_POSES, machine.robot, _SEED)
     metrics = evaluate(network, poses, poses, machine.activation)
-    share = metrics["test_rms_n"] / float((poses.f**2).mean() ** 0.5)
-    print(f"{folder}: {metrics['test_rms_n']:.4g} {machine.effort_unit} RMS off its statics, {100 * share:.2f} %")
+    share = metrics["test_rms"] / float((poses.f**2).mean() ** 0.5)
+    print(f"{folder}: {metrics['test_rms']:.4g} {machine.effort_unit} RMS off its statics, {100 * share:.2f} %")
     if not share <= _LARGEST_SHARE:
         raise InputError(
             f"{folder}: {100 * share:.1f} % off the statics of robot.toml, more than {100 * _LARGEST_SHARE:.0f} %; "

@@ -1,16 +1,19 @@
 """Constants of the compensator: what the machine adds to the statics, by axis, and their file compensation.csv.
 
 A row is ``axis,name,value``; axis is 1, 2, 3 ... or ``all``; what isn't named is zero; ``#`` starts a comment line.
-Without the file every constant is zero and the compensator is transparent. Names, their units at the end:
+Without the file every constant is zero and the compensator is transparent. Efforts are N and speeds m/s for an axis in
+m, Nm and rad/s for one in rad:
 
-    fc_pos_n, fc_neg_n      Coulomb friction when moving up and down
-    stribeck_n, vs_mps      what static friction adds, and the speed at which it fades: stribeck_n exp(-(v/vs)^2)
-    b_pos_ns_per_m, b_neg_ns_per_m  viscous friction, likewise
-    mu                      load-dependent friction: mu |f|, f the network's force; without unit, |mu| < 1
-    v_dead_mps, v_full_mps  friction is 0 up to v_dead, whole from v_full on, linear in between; any friction needs both
-    v_max_mps               above it friction is that of v_max; 0 is no limit
-    pitch_m                 of the position table (cogging)
-    a<h>_n, p<h>_rad        amplitude and phase of its harmonic h: a sin(2 pi h q / pitch + p), h = 1 .. 32
+    fc_pos, fc_neg   Coulomb friction when moving up and down, effort
+    stribeck, vs     what static friction adds, and the speed at which it fades: stribeck exp(-(v/vs)^2)
+    b_pos, b_neg     viscous friction likewise, effort per speed
+    mu               load-dependent friction: mu |f|, f the network's effort; without unit, |mu| < 1
+    v_dead, v_full   friction is 0 up to v_dead, whole from v_full on, linear in between; any friction needs both
+    v_max            speed above which friction is that of v_max; 0 is no limit
+    pitch            of the position table (cogging), m or rad
+    a<h>, p<h>_rad   amplitude, effort, and phase of its harmonic h: a sin(2 pi h q / pitch + p), h = 1 .. 32
+
+Names with the units of a linear axis at their end (fc_pos_n, v_dead_mps, a1_n ...) are read, too.
 """
 
 import csv
@@ -27,27 +30,31 @@ from gravcomp.files import write_atomically
 COMPENSATION_CSV = "compensation.csv"
 MAX_HARMONIC = 32  # of a table of 256 nodes: 8 nodes per wave
 _HEADER = ["axis", "name", "value"]
-_POSITIVE = ("vs_mps", "v_dead_mps", "v_full_mps", "v_max_mps", "pitch_m")
-FRICTION = ("fc_pos_n", "fc_neg_n", "stribeck_n", "b_pos_ns_per_m", "b_neg_ns_per_m", "mu")
+_POSITIVE = ("vs", "v_dead", "v_full", "v_max", "pitch")
+_HARMONICS = {"a": "amplitude", "p": "phase_rad"}  # array of a harmonic's constant
+_WITH_UNIT = re.compile(
+    r"(fc_pos|fc_neg|stribeck|a\d+)_n|(b_pos|b_neg)_ns_per_m|(vs|v_dead|v_full|v_max)_mps|(pitch)_m"
+)
+FRICTION = ("fc_pos", "fc_neg", "stribeck", "b_pos", "b_neg", "mu")
 
 
 @dataclass(frozen=True)
 class Compensation:
-    """The constants of n axes, (n,) each, as named above; a_n, p_rad (n, MAX_HARMONIC), harmonic h in column h - 1."""
+    """The constants of n axes, (n,) each, as named above; amplitude, phase_rad (n, MAX_HARMONIC), harmonic 1 first."""
 
-    fc_pos_n: np.ndarray
-    fc_neg_n: np.ndarray
-    stribeck_n: np.ndarray
-    vs_mps: np.ndarray
-    b_pos_ns_per_m: np.ndarray
-    b_neg_ns_per_m: np.ndarray
+    fc_pos: np.ndarray
+    fc_neg: np.ndarray
+    stribeck: np.ndarray
+    vs: np.ndarray
+    b_pos: np.ndarray
+    b_neg: np.ndarray
     mu: np.ndarray
-    v_dead_mps: np.ndarray
-    v_full_mps: np.ndarray
-    v_max_mps: np.ndarray
-    pitch_m: np.ndarray
-    a_n: np.ndarray
-    p_rad: np.ndarray
+    v_dead: np.ndarray
+    v_full: np.ndarray
+    v_max: np.ndarray
+    pitch: np.ndarray
+    amplitude: np.ndarray
+    phase_rad: np.ndarray
 
     @property
     def n_axes(self) -> int:
@@ -58,36 +65,36 @@ class Compensation:
         """Whether every constant is zero."""
         return not any(getattr(self, f.name).any() for f in fields(self))
 
-    def ramp(self, v_mps: np.ndarray) -> np.ndarray:
-        """Part of the friction that acts at speeds v (..., n), m/s: 0 in the dead band, 1 from v_full on."""
-        width = np.where(self.v_full_mps > self.v_dead_mps, self.v_full_mps - self.v_dead_mps, 1.0)
-        return np.clip((np.abs(v_mps) - self.v_dead_mps) / width, 0.0, 1.0)
+    def ramp(self, v: np.ndarray) -> np.ndarray:
+        """Part of the friction that acts at speeds v (..., n): 0 in the dead band, 1 from v_full on."""
+        width = np.where(self.v_full > self.v_dead, self.v_full - self.v_dead, 1.0)
+        return np.clip((np.abs(v) - self.v_dead) / width, 0.0, 1.0)
 
-    def friction_n(self, v_mps: np.ndarray) -> np.ndarray:
-        """Friction (..., n), N, without its load-dependent part, at signed speeds v (..., n), m/s."""
-        speed = np.abs(v_mps)
-        speed = np.where(self.v_max_mps > 0, np.minimum(speed, self.v_max_mps), speed)
-        stribeck = self.stribeck_n * np.exp(-((speed / np.where(self.vs_mps > 0, self.vs_mps, 1.0)) ** 2))
-        is_down = np.asarray(v_mps) < 0
-        coulomb = np.where(is_down, self.fc_neg_n, self.fc_pos_n)
-        viscous = np.where(is_down, self.b_neg_ns_per_m, self.b_pos_ns_per_m) * speed
-        return np.sign(v_mps) * self.ramp(v_mps) * (coulomb + stribeck + viscous)
+    def friction(self, v: np.ndarray) -> np.ndarray:
+        """Friction (..., n), effort, without its load-dependent part, at signed speeds v (..., n)."""
+        speed = np.abs(v)
+        speed = np.where(self.v_max > 0, np.minimum(speed, self.v_max), speed)
+        stribeck = self.stribeck * np.exp(-((speed / np.where(self.vs > 0, self.vs, 1.0)) ** 2))
+        is_down = np.asarray(v) < 0
+        coulomb = np.where(is_down, self.fc_neg, self.fc_pos)
+        viscous = np.where(is_down, self.b_neg, self.b_pos) * speed
+        return np.sign(v) * self.ramp(v) * (coulomb + stribeck + viscous)
 
-    def cogging_n(self, turns: np.ndarray) -> np.ndarray:
-        """Position table (..., n), N, at q / pitch (..., n)."""
+    def cogging(self, turns: np.ndarray) -> np.ndarray:
+        """Position table (..., n), effort, at q / pitch (..., n)."""
         angle = 2 * np.pi * turns[..., None] * np.arange(1, MAX_HARMONIC + 1)
-        return np.sum(self.a_n * np.sin(angle + self.p_rad), axis=-1)
+        return np.sum(self.amplitude * np.sin(angle + self.phase_rad), axis=-1)
 
-    def corrections_n(self, q_m: np.ndarray, v_mps: np.ndarray, f_n: np.ndarray) -> np.ndarray:
-        """What the compensator adds to forces f (..., n), N, at q, m, and signed speeds v, m/s, in floating point."""
-        turns = q_m / np.where(self.pitch_m > 0, self.pitch_m, 1.0)
-        load = np.sign(v_mps) * self.ramp(v_mps) * self.mu * np.abs(f_n)
-        return self.friction_n(v_mps) + load + self.cogging_n(turns)
+    def corrections(self, q: np.ndarray, v: np.ndarray, f: np.ndarray) -> np.ndarray:
+        """What the compensator adds to efforts f (..., n) at positions q and signed speeds v, in floating point."""
+        turns = q / np.where(self.pitch > 0, self.pitch, 1.0)
+        load = np.sign(v) * self.ramp(v) * self.mu * np.abs(f)
+        return self.friction(v) + load + self.cogging(turns)
 
 
 def no_compensation(n_axes: int) -> Compensation:
     """All constants zero."""
-    shapes = {"a_n": (n_axes, MAX_HARMONIC), "p_rad": (n_axes, MAX_HARMONIC)}
+    shapes = dict.fromkeys(_HARMONICS.values(), (n_axes, MAX_HARMONIC))
     return Compensation(**{f.name: np.zeros(shapes.get(f.name, n_axes)) for f in fields(Compensation)})
 
 
@@ -134,28 +141,28 @@ def check_compensation(c: Compensation, where: Path | str) -> None:
     for axis in range(c.n_axes):
         has_friction = any(getattr(c, name)[axis] for name in FRICTION)
         needs = [
-            (has_friction, "v_dead_mps", "friction needs a dead band, or it would chatter at rest"),
-            (c.stribeck_n[axis] != 0, "vs_mps", "stribeck_n needs the speed at which it fades"),
-            (c.a_n[axis].any(), "pitch_m", "harmonics need the pitch"),
+            (has_friction, "v_dead", "friction needs a dead band, or it would chatter at rest"),
+            (c.stribeck[axis] != 0, "vs", "stribeck needs the speed at which it fades"),
+            (c.amplitude[axis].any(), "pitch", "harmonics need the pitch"),
         ]
         for is_needed, name, why in needs:
             if is_needed and getattr(c, name)[axis] == 0:
                 raise InputError(f"{where}: axis {axis + 1}: {name} is missing: {why}; add it")
-        if has_friction and not c.v_full_mps[axis] > c.v_dead_mps[axis]:
-            raise InputError(f"{where}: axis {axis + 1}: v_full_mps must be above v_dead_mps; raise it")
+        if has_friction and not c.v_full[axis] > c.v_dead[axis]:
+            raise InputError(f"{where}: axis {axis + 1}: v_full must be above v_dead; raise it")
 
 
 def _names() -> list[str]:
-    names = [f.name for f in fields(Compensation) if f.name not in ("a_n", "p_rad")]
-    return names + [name for h in range(1, MAX_HARMONIC + 1) for name in (f"a{h}_n", f"p{h}_rad")]
+    names = [f.name for f in fields(Compensation) if f.name not in _HARMONICS.values()]
+    return names + [name for h in range(1, MAX_HARMONIC + 1) for name in (f"a{h}", f"p{h}_rad")]
 
 
 def _place(compensation: Compensation, name: str) -> tuple[np.ndarray, tuple[int, ...]]:
     """Array of a constant, and its index behind the axis."""
-    harmonic = re.fullmatch(r"(a|p)(\d+)_(n|rad)", name)
+    harmonic = re.fullmatch(r"(a|p)(\d+)(_rad)?", name)
     if harmonic is None:
         return getattr(compensation, name), ()
-    return getattr(compensation, f"{harmonic[1]}_{harmonic[3]}"), (int(harmonic[2]) - 1,)
+    return getattr(compensation, _HARMONICS[harmonic[1]]), (int(harmonic[2]) - 1,)
 
 
 def _read_lines(path: Path) -> list[tuple[int, list[str]]]:
@@ -181,6 +188,8 @@ def _read_entry(where: str, line: list[str], n_axes: int) -> tuple[range, str, f
     numbers = [str(k) for k in range(1, n_axes + 1)]
     if axis not in ("all", *numbers):
         raise InputError(f"{where}, column axis: {axis!r} is not an axis; give all, {', '.join(numbers)}")
+    if with_unit := _WITH_UNIT.fullmatch(name):
+        name = with_unit[with_unit.lastindex]
     if name == "clock_hz":
         raise InputError(f"{where}, column name: clock_hz stands in robot.toml; delete this row")
     if name not in _names():

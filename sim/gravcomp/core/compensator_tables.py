@@ -60,26 +60,26 @@ def quantise_compensation(c: Compensation, drive: Drive, folder: Path | str = "w
     period = 2.0**octave * (1 + eighth / 2**MANTISSA_BITS)
     speed = 4 * drive.clock_hz * drive.unit_per_count / period[:, None]
     turns = np.arange(N_POSITIONS)[:, None] / N_POSITIONS * np.ones(c.n_axes)
-    cogging_mn = np.rint(1e3 * c.cogging_n(turns))
-    pitch_counts = c.pitch_m / drive.unit_per_count
-    coulomb_n = np.maximum(np.abs(c.fc_pos_n), np.abs(c.fc_neg_n)) + np.maximum(c.stribeck_n, 0.0)
-    limit_n = _OPERAND_MAX / 1e3
+    cogging_mn = np.rint(1e3 * c.cogging(turns))
+    pitch_counts = c.pitch / drive.unit_per_count
+    coulomb = np.maximum(np.abs(c.fc_pos), np.abs(c.fc_neg)) + np.maximum(c.stribeck, 0.0)
+    limit = _OPERAND_MAX / 1e3
     limits = {
-        "v_dead_mps is too slow for clock_hz; raise it": (c.v_dead_mps > 0) & (speed[_SLOWEST] > c.v_dead_mps),
-        f"pitch_m is below {2 * N_POSITIONS} counts; raise it": (c.pitch_m > 0) & (pitch_counts < 2 * N_POSITIONS),
-        f"Coulomb and Stribeck friction exceed {limit_n:g} N; lower them": coulomb_n > limit_n,
-        f"the harmonics exceed {limit_n:g} N; lower them": np.abs(cogging_mn).max(axis=0) > _OPERAND_MAX,
+        "v_dead is too slow for clock_hz; raise it": (c.v_dead > 0) & (speed[_SLOWEST] > c.v_dead),
+        f"pitch is below {2 * N_POSITIONS} counts; raise it": (c.pitch > 0) & (pitch_counts < 2 * N_POSITIONS),
+        f"Coulomb and Stribeck friction exceed {limit:g} N or Nm; lower them": coulomb > limit,
+        f"the harmonics exceed {limit:g} N or Nm; lower them": np.abs(cogging_mn).max(axis=0) > _OPERAND_MAX,
     }
     for complaint, is_bad in limits.items():
         for axis in np.flatnonzero(is_bad):
             raise InputError(f"{where}: axis {axis + 1}: {complaint}")
-    friction_mn = [np.clip(1e3 * c.friction_n(sign * speed), -_OPERAND_MAX, _OPERAND_MAX) for sign in (1, -1)]
+    friction_mn = [np.clip(1e3 * c.friction(sign * speed), -_OPERAND_MAX, _OPERAND_MAX) for sign in (1, -1)]
     mu = [sign * np.clip(c.mu * c.ramp(speed) * 2.0**MU_FRACTION, -_OPERAND_MAX, _OPERAND_MAX) for sign in (1, -1)]
     fixed = FixedCompensation(
         friction=np.concatenate([_words(half, last=0) for half in friction_mn], axis=1),
         mu=np.concatenate([_words(half, last=0) for half in mu], axis=1),
         position=_words(cogging_mn, last=cogging_mn[0]),
-        phase_step=np.rint(2.0**PHASE_BITS / np.where(c.pitch_m > 0, pitch_counts, np.inf)).astype(np.int64),
+        phase_step=np.rint(2.0**PHASE_BITS / np.where(c.pitch > 0, pitch_counts, np.inf)).astype(np.int64),
     )
     check_bounds(fixed)
     return fixed

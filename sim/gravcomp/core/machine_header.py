@@ -13,7 +13,7 @@ def machine_header_text(machine: Machine, sha256: str, name: str) -> str:
 _TEMPLATE = """\
 /* SPDX-License-Identifier: MIT
  *
- * The machine folder {name}. Written by `make rom`.
+ * Written by `make rom` from weights/{name}. Do not edit.
  */
 #ifndef GRAVCOMP_MACHINE_H
 #define GRAVCOMP_MACHINE_H

@@ -146,4 +146,4 @@ def _network_forces(folder: Path, run: str, samples: dict[str, np.ndarray]) -> n
     network = load_network(weights_folder(folder, run))
     constants = load_compensation(weights_folder(folder, run), network.n_axes)
     force_n = network.forces(samples["q_m"])
-    return force_n + constants.corrections_n(samples["q_m"], samples["v_mps"], force_n)
+    return force_n + constants.corrections(samples["q_m"], samples["v_mps"], force_n)

@@ -21,10 +21,11 @@ from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.retraining import N_POSES, augmented_set
 from gravcomp.network.weights import Network
+from gravcomp.robot.machine import Drive
 from gravcomp.training.fine_tuning import retrained
 
-# Speeds from which on friction is whole; it is zero below half of that. The lower limit is about ten counts a second.
-FULL_FRICTION_MPS = (2e-5, 1e-4)
+# Speeds from which on friction is whole, within these, counts per second; it is zero below half of that.
+FULL_FRICTION_COUNTS_PER_S = (20, 100)
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ def into_hardware(
     too. Raises InputError for effects that the hardware cannot hold.
     """
     effects = [{"name": name, "params": params} for name, params in model.effects]
-    placement = compensation_from_effects(effects, data)
+    placement = compensation_from_effects(effects, data, model.machine.drive)
     in_network = [(name, params) for name, params in model.effects if name in placement.in_network]
     corrections = [(correction, values) for correction, values in model.corrections if correction.is_of_position]
     if in_network or corrections:
@@ -55,12 +56,12 @@ def into_hardware(
     return network, placement, [correction.name for correction, _ in corrections]
 
 
-def compensation_from_effects(effects: Sequence[Mapping], data: Measurement) -> Placement:
+def compensation_from_effects(effects: Sequence[Mapping], data: Measurement, drive: Drive) -> Placement:
     """Place effects, each {"name": ..., "params": {...}} as in report.json, found in data of the robot.
 
     Friction that several effects bring adds up. Friction of passive joints becomes what it is on average on each axis
     in this data; presliding hysteresis the friction that it ends in. Friction is whole at all but the slowest 5 % of
-    the speeds, and held beyond the fastest, as no fit has seen it there. Raises InputError for effects that the
+    an axis' speeds, and held beyond its fastest, as no fit has seen it there. Raises InputError for effects that the
     compensator cannot hold.
     """
     constants, places = no_compensation(data.n_axes), {"compensator": [], "network": [], "none": []}
@@ -70,17 +71,23 @@ def compensation_from_effects(effects: Sequence[Mapping], data: Measurement) -> 
         if known.hardware == "compensator":
             _add(constants, known.constants(data, effect["params"]))
     if any(getattr(constants, name).any() for name in FRICTION):
-        speeds = np.abs(data.v[data.v != 0])
-        full = np.clip(np.quantile(speeds, 0.05), *FULL_FRICTION_MPS)
-        common = {"v_dead_mps": full / 2, "v_full_mps": full, "v_max_mps": speeds.max()}
-        constants = replace(constants, **{name: np.full(data.n_axes, value) for name, value in common.items()})
+        full, fastest = _speed_range(data.v, drive)
+        constants = replace(constants, v_dead=full / 2, v_full=full, v_max=fastest)
     check_compensation(constants, "found effects")
     return Placement(constants, places["compensator"], places["network"], places["none"])
+
+
+def _speed_range(v: np.ndarray, drive: Drive) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds (n,) from which on friction is whole, and the fastest, of speeds v (N, n); alike for an axis at rest."""
+    slowest, most = np.outer(FULL_FRICTION_COUNTS_PER_S, drive.unit_per_count)
+    seen = [np.abs(own[own != 0]) if own.any() else most[axis : axis + 1] for axis, own in enumerate(v.T)]
+    full = np.clip([np.quantile(own, 0.05) for own in seen], slowest, most)
+    return full, np.array([own.max() for own in seen])
 
 
 def _add(constants: Compensation, more: Mapping[str, np.ndarray]) -> None:
     for name, value in more.items():
         own = getattr(constants, name)
-        if name in ("pitch_m", "vs_mps") and own.any():
+        if name in ("pitch", "vs") and own.any():
             raise InputError(f"found effects: two of them give {name}; the compensator holds one")
         own += value

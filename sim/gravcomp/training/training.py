@@ -130,20 +130,20 @@ def as_network(hidden: np.ndarray, output: np.ndarray, scaling: Scaling) -> Netw
     return Network(hidden[:, :-1], hidden[:, -1], output[:, :-1], output[:, -1], **vars(scaling))
 
 
-def mean_square_error_n2(network: Network, data: TrainingSet, activation: str = "gamma") -> float:
-    """Mean over poses and axes of the squared force error, N^2."""
+def mean_square_error(network: Network, data: TrainingSet, activation: str = "gamma") -> float:
+    """Mean over poses and axes of the squared error of the effort."""
     error = network.forces(data.q, ACTIVATIONS[activation].value) - data.f
     return float(np.mean(error**2))
 
 
 def evaluate(network: Network, data: TrainingSet, unseen: TrainingSet, activation: str = "gamma") -> dict[str, float]:
-    """Figures of a network on its training poses and on unseen ones; errors in N, weights without unit."""
-    error_n = network.forces(unseen.q, ACTIVATIONS[activation].value) - unseen.f
+    """Figures of a network on its training poses and on unseen ones; errors in N or Nm, weights without unit."""
+    error = network.forces(unseen.q, ACTIVATIONS[activation].value) - unseen.f
     return {
-        "train_mse_n2": mean_square_error_n2(network, data, activation),
-        "test_mse_n2": float(np.mean(error_n**2)),
-        "test_rms_n": float(np.sqrt(np.mean(error_n**2))),
-        "test_max_n": float(np.abs(error_n).max()),
+        "train_mse": mean_square_error(network, data, activation),
+        "test_mse": float(np.mean(error**2)),
+        "test_rms": float(np.sqrt(np.mean(error**2))),
+        "test_max": float(np.abs(error).max()),
         "max_hidden_weight": float(np.abs(network.hidden_weights).max()),
         "max_output_weight": float(np.abs(network.output_weights).max()),
     }

@@ -15,19 +15,19 @@ from gravcomp.robot.machine import load_machine
 # Friction, friction by load and cogging on every axis, so that each part of the compensator is at work.
 COMPENSATION = """\
 axis,name,value
-all,v_dead_mps,2e-4
-all,v_full_mps,4e-4
-all,fc_pos_n,1.7
-all,fc_neg_n,1.1
+all,v_dead,2e-4
+all,v_full,4e-4
+all,fc_pos,1.7
+all,fc_neg,1.1
 all,mu,0.02
-all,b_pos_ns_per_m,31
-all,b_neg_ns_per_m,25
-1,pitch_m,0.012
-2,pitch_m,0.021
-3,pitch_m,0.0077
-all,a1_n,0.8
+all,b_pos,31
+all,b_neg,25
+1,pitch,0.012
+2,pitch,0.021
+3,pitch,0.0077
+all,a1,0.8
 all,p1_rad,0.4
-all,a2_n,0.3
+all,a2,0.3
 """
 IMAGE_SHARE = 0.9
 

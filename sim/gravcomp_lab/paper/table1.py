@@ -12,7 +12,7 @@ from gravcomp.robot.machine import Machine
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
 from gravcomp.training.scaling import workspace_scaling
 from gravcomp.training.search import random_hidden
-from gravcomp.training.training import RIDGE, TrainingSet, as_network, mean_square_error_n2, run_parallel
+from gravcomp.training.training import RIDGE, TrainingSet, as_network, mean_square_error, run_parallel
 
 GRADIENT_THRESHOLD = 0.009
 # Neurons: gradient at the stop and mean square error, as printed in the paper. It gives no unit for either.
@@ -53,7 +53,7 @@ def table1(
         network = as_network(fit.hidden, fit.output, scaling)
         gradient_n2 = fit.gradient * f_scale_n**2
         for run_with in sorted({name, "gamma"}, reverse=True):
-            errors = [mean_square_error_n2(network, poses, run_with) for poses in (data, unseen)]
+            errors = [mean_square_error(network, poses, run_with) for poses in (data, unseen)]
             rows.append(Row(n_hidden, name, run_with, gradient_n2, *errors))
     return rows
 

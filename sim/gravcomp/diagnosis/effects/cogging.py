@@ -79,8 +79,12 @@ class Cogging(Effect):
                 raise InputError(
                     f"effect cogging: harmonic {harmonic} is above {MAX_HARMONIC}; delete it from the model"
                 )
-            waves.a_n[axis, harmonic - 1], waves.p_rad[axis, harmonic - 1] = amplitude_n, phase
-        return {"pitch_m": np.full(data.n_axes, parameters["pitch"]), "a_n": waves.a_n, "p_rad": waves.p_rad}
+            waves.amplitude[axis, harmonic - 1], waves.phase_rad[axis, harmonic - 1] = amplitude_n, phase
+        return {
+            "pitch": np.full(data.n_axes, parameters["pitch"]),
+            "amplitude": waves.amplitude,
+            "phase_rad": waves.phase_rad,
+        }
 
 
 def _waves(parameters) -> list[tuple[int, int, float, float]]:

@@ -36,7 +36,7 @@ class CoulombFriction(Effect):
 
     def constants(self, data, parameters):
         both, up, down = (per_axis(parameters, stem, data.n_axes) for stem in ("fc", "fc_pos", "fc_neg"))
-        return {"fc_pos_n": both + up, "fc_neg_n": both + down}
+        return {"fc_pos": both + up, "fc_neg": both + down}
 
 
 class DirectionalCoulombFriction(CoulombFriction):

@@ -43,7 +43,7 @@ class PassiveJointFriction(Effect):
     def constants(self, data, parameters):
         """The Coulomb friction that is nearest to these forces in the mean square."""
         friction_n = np.mean(self.predict(data, parameters) * data.direction, axis=0)
-        return {"fc_pos_n": friction_n, "fc_neg_n": friction_n}
+        return {"fc_pos": friction_n, "fc_neg": friction_n}
 
     def contrasts(self, labels):
         return [{label: 1.0} for label in labels]

@@ -28,4 +28,4 @@ class PositionDependentFriction(Effect):
         """Its mean over the positions in the data: the compensator's friction knows no position."""
         fc, slope = (per_axis(parameters, stem, data.n_axes) for stem in ("fc", "slope"))
         mean = fc + slope * data.q.mean(axis=0)
-        return {"fc_pos_n": mean, "fc_neg_n": mean}
+        return {"fc_pos": mean, "fc_neg": mean}

@@ -37,7 +37,7 @@ class PreslidingHysteresis(Effect):
     def constants(self, data, parameters):
         """The friction that it ends in."""
         fc = per_axis(parameters, "fc", data.n_axes)
-        return {"fc_pos_n": fc, "fc_neg_n": fc}
+        return {"fc_pos": fc, "fc_neg": fc}
 
 
 def _state(data, axis: int, travel: float) -> np.ndarray:

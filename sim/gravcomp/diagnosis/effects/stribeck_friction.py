@@ -43,4 +43,4 @@ class StribeckFriction(Effect):
 
     def constants(self, data, parameters):
         fc, fs, vs = (per_axis(parameters, stem, data.n_axes) for stem in ("fc", "fs", "vs"))
-        return {"fc_pos_n": fc, "fc_neg_n": fc, "stribeck_n": fs - fc, "vs_mps": vs}
+        return {"fc_pos": fc, "fc_neg": fc, "stribeck": fs - fc, "vs": vs}

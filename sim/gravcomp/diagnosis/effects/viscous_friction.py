@@ -33,7 +33,7 @@ class ViscousFriction(Effect):
 
     def constants(self, data, parameters):
         both, up, down = (per_axis(parameters, stem, data.n_axes) for stem in ("b", "b_pos", "b_neg"))
-        return {"b_pos_ns_per_m": both + up, "b_neg_ns_per_m": both + down}
+        return {"b_pos": both + up, "b_neg": both + down}
 
 
 class DirectionalViscousFriction(ViscousFriction):
