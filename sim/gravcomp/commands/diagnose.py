@@ -46,7 +46,7 @@ def diagnose_log(arguments, robot: Path | None) -> tuple:
 
     from gravcomp.diagnosis.diagnosis import diagnose
     from gravcomp.diagnosis.model import Model, load_model, model_toml
-    from gravcomp.diagnosis.report import report, report_json, table, words
+    from gravcomp.diagnosis.report import report, report_json, text
     from gravcomp.diagnosis.report_html import report_html
     from gravcomp.logs.csv_reader import read_measurement
 
@@ -60,19 +60,9 @@ def diagnose_log(arguments, robot: Path | None) -> tuple:
             bar.update()
 
         found = diagnose(data, model, arguments.seed, arguments.holdout, tick)
-    content = report(found)
     grown = model.grown(found.fit)
     files = {"report.json": report_json(found), "model.toml": model_toml(grown), "report.html": report_html(found)}
     beside = grown.machine.files if grown.machine else {}  # what model.toml refers to
     write_all_atomically({arguments.out / name: content for name, content in (files | dict(beside)).items()})
-    print(f"verdict: {found.verdict}; seed {arguments.seed}")
-    for effect in content["effects"]:
-        print(f"  {effect['name']}: {100 * effect['share']:.1f} % of the residual's variance")
-    for item in content["drivers"]:
-        print(f"  axis {item['axis']} follows {item['variable']} ({100 * item['share']:.1f} %)")
-    for names in content["alternatives"]:
-        print(f"  this data cannot tell apart: {', '.join(names)}")
-    for line in words(content):
-        print(f"  {line}")
-    print(table(content))
+    print(text(report(found), arguments.seed))
     return found, grown

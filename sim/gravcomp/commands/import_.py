@@ -9,7 +9,6 @@ from pathlib import Path
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp.logs.importers import CONTAINERS, DATA_SETS, convert, convert_signals
-from gravcomp.logs.importers.signals import parse_columns
 
 
 def add_arguments(parser):
@@ -28,6 +27,8 @@ def run(arguments):
 
 
 def _converted(kind: str, path: Path, arguments) -> str:
+    from gravcomp.logs.importers.signals import parse_columns
+
     columns = parse_columns(arguments.columns)
     if arguments.dims and kind != "mat":
         raise InputError(f"--dims: only a mat has arrays of three dimensions, not a {kind}; leave it out")

@@ -43,22 +43,26 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
 def drivers(data, is_test, before, after, fit: Fit, shares, left) -> list[dict]:
     """For the report: what stays unexplained first, then what each effect follows; shares of the variance before.
 
-    is_test (n,); before, after (n, k) residuals; shares by the name of an entry; left as ``find`` gives it.
+    is_test (n,); before, after (n, k) residuals; shares by the name of an entry; left as ``find`` gives it. "of" is the
+    effect that a row belongs to, "" where it has no name; no row stands there twice.
     """
     total = max(np.sum(before[is_test] ** 2), TINY)
     out = []
     for entry in sorted(fit.corrections, key=lambda e: -shares[e.name]):
         follows = entry.term.candidate.follows(data, entry.parameters, entry.force(data))
         out += [_item(axis, variable, shares[entry.name]) for axis, variable in follows]
-    out += [{**item, "share": item["share"] * np.sum(after[is_test] ** 2) / total} for item in left]
+    out += [{**item, "share": item["share"] * np.sum(after[is_test] ** 2) / total, "of": ""} for item in left]
     for entry in fit.effects:
         force = entry.force(data)
         out += [
-            _item(axis, variable, min(float(np.sum(force[is_test, axis] ** 2) / total), 1.0))
+            _item(axis, variable, min(float(np.sum(force[is_test, axis] ** 2) / total), 1.0), entry.name)
             for axis, variable in entry.term.candidate.follows(data, entry.parameters, force)
         ]
-    return [item for item in out if item["share"] >= LEFT_SHARE]
+    once: dict[tuple, dict] = {}
+    for item in out:
+        once.setdefault((item["of"], item["axis"], item["variable"]), item)
+    return [item for item in once.values() if item["share"] >= LEFT_SHARE]
 
 
-def _item(axis: int, variable: str, share: float) -> dict:
-    return {"axis": axis + 1, "variable": variable, "share": share}
+def _item(axis: int, variable: str, share: float, of: str = "") -> dict:
+    return {"axis": axis + 1, "variable": variable, "share": share, "of": of}

@@ -1,51 +1,46 @@
 """report.html: one file, its figures inside."""
 
-import base64
-import io
-
-import jinja2
-import numpy as np
-
-from gravcomp.diagnosis.candidate import Variable, variables
 from gravcomp.diagnosis.diagnosis import Diagnosis
-from gravcomp.diagnosis.report import report
+from gravcomp.diagnosis.figures import axis_figure, driver_figure
+from gravcomp.diagnosis.report import by_reason, error_rows, report
 
-_PAGES = jinja2.Environment(loader=jinja2.PackageLoader("gravcomp.diagnosis", "."), autoescape=True)
-_MAX_POINTS = 4000
-_BEFORE, _AFTER = "#b0413e", "#2a6f97"
+# Okabe and Ito, 2008: told apart by every eye; what has no name is grey.
+_COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#f0e442", "#000000")
+_GREYS = ("#777777", "#999999", "#5f5f5f", "#ababab")
+_LEFT = "#e4e4e4"
+_SEEN = 0.002  # of an axis: a thinner part is no picture
 
 
 def report_html(d: Diagnosis) -> str:
     """The page."""
-    corrections = [(entry.name, d.shares[entry.name]) for entry in d.fit.corrections]
-    figures = [_figure(d, axis) for axis in range(d.data.n_axes)]
-    page = _PAGES.get_template("report.html.j2")
-    return page.render(name=d.data.name, r=report(d), corrections=corrections, untestable=d.untestable, figures=figures)
+    import jinja2
+
+    pages = jinja2.Environment(loader=jinja2.PackageLoader("gravcomp.diagnosis", "."), autoescape=True)
+    content = report(d)
+    return pages.get_template("report.html.j2").render(
+        name=d.data.name, r=content, rows=error_rows(content), bars=_bars(content), legend=_legend(content),
+        untestable=by_reason(content["untestable"]), drivers=driver_figure(d), position_units=d.data.position_units,
+        figures=[axis_figure(d, axis) for axis in range(d.data.n_axes)],
+    )  # fmt: skip
 
 
-def _figure(d: Diagnosis, axis: int) -> str:
-    from matplotlib.figure import Figure  # here, because whoever only diagnoses draws nothing
-
-    own = [x for x in variables(d.data) if x.axis in (None, axis) and x.kind in ("t", "q", "v", "f", "temp")]
-    figure = Figure(figsize=(4.2 * len(own), 3.6), layout="constrained")
-    rows = np.flatnonzero(d.is_test)
-    rows = rows[:: max(len(rows) // _MAX_POINTS, 1)]
-    for panel, variable in zip(np.atleast_1d(figure.subplots(1, len(own), sharey=True)), own, strict=True):
-        x = variable.of(d.data)[rows]
-        panel.plot(x, d.before[rows, axis], ".", ms=2, color=_BEFORE, label="before")
-        panel.plot(x, d.after[rows, axis], ".", ms=2, color=_AFTER, label="after")
-        panel.set_xlabel(_axis_label(d, variable))
-        panel.axhline(0.0, color="k", lw=0.5)
-    figure.axes[0].set_ylabel(f"residual of axis {axis + 1}, {d.data.unit} (held out)")
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=2, markerscale=5)
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=90)
-    return base64.b64encode(stream.getvalue()).decode()
+def _legend(content: dict) -> list[dict]:
+    """Name, colour and part of the whole of everything that explains, and of what nothing explains."""
+    out, used = [], {"effect": 0, "correction": 0, "left": 0}
+    for own in content["contributions"]:
+        colours = {"effect": _COLOURS, "correction": _GREYS, "left": (_LEFT,)}[own["kind"]]
+        out.append({**own, "colour": colours[used[own["kind"]] % len(colours)]})
+        used[own["kind"]] += 1
+    return out
 
 
-def _axis_label(d: Diagnosis, variable: Variable) -> str:
-    if variable.axis is None:
-        return {"t": "time, s", "temp": "temperature, °C"}[variable.kind]
-    unit = d.data.position_units[variable.axis]
-    about = {"q": f"position {{}}, {unit}", "v": f"velocity {{}}, {unit}/s", "f": f"model {{}}, {d.data.unit}"}
-    return about[variable.kind].format(variable)
+def _bars(content: dict) -> list[dict]:
+    """Per axis the parts that explain it, as widths in per cent of the bar; parts below zero take from none."""
+    legend, out = _legend(content), []
+    for i, axis in enumerate(content["by_axis"]):
+        parts = [(own, max(own["by_axis"][i], 0.0)) for own in legend]
+        total = sum(part for _, part in parts) or 1.0
+        shown = [{"name": own["name"], "colour": own["colour"], "percent": 100.0 * part / total}
+                 for own, part in parts if part > _SEEN]  # fmt: skip
+        out.append({**axis, "parts": shown})
+    return out

@@ -23,6 +23,7 @@ def run(arguments):
     folder = arguments.pictures or arguments.run
     save_figure(error_maps(fixed, machine), folder / "error_maps.png")
     save_figure(waves, folder / "run.png")
-    print("Simulated VHDL (gc_force_path, from its encoder pins) against the bit-true model and the statics:\n")
+    print("Simulated VHDL (gc_force_path, from its encoder pins) against the bit-true model and the statics; E is the")
+    print("error of a pose against the statics, a vector over the axes, F the statics' forces:\n")
     print(table)
     print(f"\nPictures: {folder / 'run.png'}, {folder / 'error_maps.png'}; waveform: {arguments.run / 'run.vcd'}")

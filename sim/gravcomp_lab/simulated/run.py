@@ -33,9 +33,13 @@ def load_run(path: Path) -> Run:
 
 
 def error_table(run: Run, fixed: FixedNetwork, machine: Machine) -> str:
-    """Markdown table, a row per pose set: simulated forces against the bit-true model, LSB, and the statics, N."""
+    """Markdown table, a row per pose set: simulated forces against the bit-true model, LSB, and the statics, N.
+
+    E: error of the forces of a pose against the statics, a vector over the axes; F: the statics' forces.
+    """
     lines = [
-        "| poses | number | against bit-true, LSB | mean, N | RMS, N | maximum, N | average, % | maximum, % |",
+        "| poses | number | against bit-true, LSB | mean of norm(E), N | RMS of E's components, N "
+        "| largest component of E, N | average of norm(E)/norm(F), % | its maximum, % |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for name in dict.fromkeys(run.set_name):

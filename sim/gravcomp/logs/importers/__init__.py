@@ -3,8 +3,6 @@
 import importlib
 from pathlib import Path
 
-from gravcomp.logs.importers.signals import Signal, measured_csv
-
 DATA_SETS = ("anticogging", "emps")
 CONTAINERS = {"mat": "mat", "mcap": "joint_states", "mdf": "mdf", "parquet": "parquet", "rosbag": "joint_states",
               "tdms": "tdms"}  # fmt: skip
@@ -20,8 +18,10 @@ def convert_signals(kind: str, path: Path, columns: dict[str, str], **options) -
 
     A module may have a default_columns, for what columns do not say.
     """
+    from gravcomp.logs.importers.signals import measured_csv
+
     module = importlib.import_module(f"{__name__}.{CONTAINERS[kind]}")
-    signals: dict[str, Signal] = getattr(module, f"{kind}_signals")(path, **options)
+    signals = getattr(module, f"{kind}_signals")(path, **options)
     defaults = module.default_columns(signals) if hasattr(module, "default_columns") else {}
     told = {target.partition("_")[0] for target in columns}
     return measured_csv(

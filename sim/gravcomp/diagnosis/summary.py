@@ -1,0 +1,112 @@
+"""Two sentences for people: what was found and how sure that is, and what to do next."""
+
+import numpy as np
+
+from gravcomp.diagnosis.contributions import counted
+from gravcomp.diagnosis.diagnosis import Diagnosis
+from gravcomp.diagnosis.fit import Entry
+
+_OF_SENSORS = ("sensor_sign", "sensor_lag", "encoder_offset", "current_offset")
+_PLAN = "gravcomp plan"
+
+
+def found_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
+    """What the model lacks, how much of it that explains, and how sure the names are."""
+    use = counted(d)
+    before, after = (float(np.sqrt(np.mean(error[use] ** 2))) for error in (d.before, d.after))
+    unit = d.data.unit if len(set(d.data.effort_units)) == 1 else "N, Nm"
+    if d.verdict == "nothing_missing":
+        return f"The model lacks nothing that this log shows: what is left, {after:.3g} {unit} RMS, is its noise."
+    if not d.fit.effects:
+        what = _followed(d)
+        return f"The model lacks {before:.3g} {unit} RMS, and no effect on the list explains it: {what}."
+    names = joined([with_axes(entry, d.data.n_axes) for entry in _largest_first(d)])
+    text = f"The model lacks {names}: {before:.3g} {unit} RMS of error become {after:.3g}"
+    is_rest = "" if d.verdict == "explained" else f"; more is missing, and {_followed(d)}"
+    return f"{text}{is_rest}; {_sureness(alternatives)}."
+
+
+def next_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
+    """The next step: what goes where, what to measure, which sensor to check."""
+    steps = [f"check {_sensor(entry)}" for entry in d.fit.effects if entry.name in _OF_SENSORS]
+    places: dict[str, list[str]] = {}
+    for entry in _largest_first(d):
+        if entry.name not in _OF_SENSORS:
+            places.setdefault(entry.term.candidate.hardware, []).append(plain(entry.name))
+    into = [f"{joined(places[place])} into the {place}" for place in ("network", "compensator") if place in places]
+    if alternatives:
+        steps.append(f"measure what {_PLAN} writes before you trust the name {plain(alternatives[0][0])}")
+    if into:
+        how = "gravcomp loop does it" if d.data.robot is not None else "model.toml has the values"
+        steps.append(f"put {joined(into)} ({how})")
+    if "none" in places:
+        verb = "have" if len(places["none"]) > 1 else "has"
+        steps.append(f"mend {joined(places['none'])} at the machine, which {verb} no place in the hardware")
+    if d.verdict in ("partly_explained", "unexplained"):
+        steps.append(_search_for(d))
+    if not steps:
+        is_blind = "coulomb_friction" in d.untestable
+        steps.append("log the approach velocity, without which no friction shows" if is_blind else "keep the model")
+    return f"Next: {'; '.join(steps)}."
+
+
+def _largest_first(d: Diagnosis) -> list[Entry]:
+    return sorted(d.fit.effects, key=lambda entry: -d.shares[entry.name])
+
+
+def with_axes(entry: Entry, n_axes: int) -> str:
+    """An effect and its axes, where it does not act on all of them."""
+    axes = sorted({name.axis + 1 for name in entry.parameters if getattr(name, "axis", None) is not None})
+    if not axes or (len(axes) == n_axes and n_axes > 1) or n_axes == 1:
+        return plain(entry.name)
+    return f"{plain(entry.name)} on {'axis' if len(axes) == 1 else 'axes'} {joined([str(axis) for axis in axes])}"
+
+
+def plain(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def joined(parts: list[str]) -> str:
+    """a, b and c."""
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+
+
+def _unnamed(d: Diagnosis) -> list[dict]:
+    return [item for item in d.drivers if item["of"] == ""]
+
+
+def _followed(d: Diagnosis) -> str:
+    """What the unnamed part follows, the strongest first."""
+    if any("two-valued" in note for note in d.notes):
+        return "what is left is two-valued, as friction of an unknown direction"
+    own = _unnamed(d)[:2]
+    if not own:
+        return "it follows no variable that was measured"
+    return "it follows " + joined([f"{item['variable']} on axis {item['axis']}" for item in own])
+
+
+def _search_for(d: Diagnosis) -> str:
+    if any("two-valued" in note for note in d.notes):
+        return "log the approach velocity"
+    own = _unnamed(d)
+    if own:
+        return f"look at axis {own[0]['axis']} for what depends on {own[0]['variable']} and is on no list"
+    return "measure more variables, or the same poses again, to see what the rest follows"
+
+
+def _sureness(alternatives: list[list[str]]) -> str:
+    if not alternatives:
+        return "any other name is at least 90 times less likely"
+    sets = [f"{plain(names[0])} from {joined([plain(name) for name in names[1:]])}" for names in alternatives]
+    return f"not sure: this log cannot tell {joined(sets)}"
+
+
+def _sensor(entry: Entry) -> str:
+    axes = sorted({name.axis + 1 for name in entry.parameters if getattr(name, "axis", None) is not None})
+    where = f" of {'axis' if len(axes) == 1 else 'axes'} {joined([str(axis) for axis in axes])}" if axes else ""
+    return {
+        "sensor_sign": f"the sign of the effort{where}",
+        "sensor_lag": "the filter of the effort, which comes late",
+        "encoder_offset": f"the zero of the encoder{where}",
+        "current_offset": f"the zero of the current sensor{where}",
+    }[entry.name]
