@@ -4,6 +4,7 @@ import os
 
 import cocotb
 import numpy as np
+import pytest
 
 from gravcomp.twin.brakes import BrakeFeedback
 from playback import flush, play
@@ -24,7 +25,8 @@ async def compare(dut, inputs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         expected["out_differs"].append(int(twin.differs))
         twin.clock(*row)
     await flush(dut, 4, brake_fed=0, in_released=0)
-    got = await play(dut, inputs, OUTPUTS)
+    got = await play(dut, inputs, (*OUTPUTS, "upset"))
+    assert not got["upset"].any(), "no bit is wrong"
     got["out_feedback"] &= ALL
     for name in OUTPUTS:
         np.testing.assert_array_equal(got[name], expected[name], err_msg=name)
@@ -61,5 +63,7 @@ async def random_pins(dut):
     assert 0.02 < got["out_differs"].mean() < 0.9
 
 
-def test_brake_feedback_equals_twin():
-    simulate("gc_brake_feedback", "test_rtl_brake_feedback", generics={"sync_stages_g": 2})
+@pytest.mark.parametrize("guard", ["false", "true"])
+def test_brake_feedback_equals_twin(guard):
+    generics = {"sync_stages_g": 2, "guard_g": guard}
+    simulate("gc_brake_feedback", "test_rtl_brake_feedback", generics=generics)

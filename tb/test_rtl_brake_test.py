@@ -2,6 +2,7 @@
 
 import cocotb
 import numpy as np
+import pytest
 
 from gravcomp.twin.brakes import BrakeTest
 from playback import play
@@ -29,7 +30,8 @@ def driven(n_clocks: int, start: np.ndarray, rst: np.ndarray, limit: np.ndarray,
 
 
 async def compare(dut, inputs: dict, expected: dict) -> None:
-    got = await play(dut, inputs, OUTPUTS)
+    got = await play(dut, inputs, (*OUTPUTS, "upset"))
+    assert not got["upset"].any(), "no bit is wrong"
     for name in OUTPUTS:
         mask = ALL if name in ("out_first", "out_second") else 1
         np.testing.assert_array_equal(got[name] & mask, expected[name], err_msg=name)
@@ -97,5 +99,6 @@ async def random_starts_resets_and_brakes(dut):
     assert expected["out_failed"].any()
 
 
-def test_brake_test_equals_twin():
-    simulate("gc_brake_test", "test_rtl_brake_test")
+@pytest.mark.parametrize("guard", ["false", "true"])
+def test_brake_test_equals_twin(guard):
+    simulate("gc_brake_test", "test_rtl_brake_test", generics={"guard_g": guard})

@@ -11,17 +11,22 @@ from runner import simulate
 
 MHZ = [(10, 40), (40, 10), (40, 40), (40, 40.01), (100, 7.3), (7.3, 100), (33.333, 40)]
 STAGES, LIMIT = 2, 64
+# Of all times; a simulator of Verilog knows none so short, and does as well with longer ones.
+UNIT = os.environ.get("TIME_UNIT", "fs")
 FOREVER = 2**62
 
 
 class Clocks:
     """Both clocks, each with a phase of its own and times at which it stands, and the twin beside the entity."""
 
-    def __init__(self, dut, mhz: tuple[float, float], seed: int) -> None:
+    # Not from when on a bit is wrong.
+    equals_twin = True
+
+    def __init__(self, dut, mhz: tuple[float, float], seed: int, limit: int = LIMIT) -> None:
         rng = np.random.default_rng(seed)
         cocotb.log.info("seed %d", seed)
         self.dut, self.now = dut, 0
-        self.twin = ClockMonitor(LIMIT, LIMIT, int(os.environ["STAGES_G"]))
+        self.twin = ClockMonitor(limit, limit, int(os.environ["STAGES_G"]))
         self.period = {name: 2 * round(5e8 / f) for name, f in zip(("bus", "core"), mhz, strict=True)}
         self.next = {name: 2 * int(rng.integers(1, period // 2)) for name, period in self.period.items()}
         self.next["bus"] += 1  # no two edges together: what a synchroniser then takes is left to the simulator
@@ -46,7 +51,7 @@ class Clocks:
         """Edges that the twin does not see."""
         for level in (1, 0) * n_edges:
             getattr(self.dut, f"{name}_clk").value = level
-            await Timer(2, "fs")
+            await Timer(2, UNIT)
 
     def stand(self, name: str, fs: int = FOREVER) -> None:
         """The clock makes no edge for that long, or until it starts."""
@@ -74,7 +79,7 @@ class Clocks:
         """The next edge, which is one of that clock."""
         await self.wait_until(self.next[name])
         alive, lost = bool(self.dut.core_alive.value), bool(self.dut.bus_lost.value)
-        assert (alive, lost) == (self.twin.core_alive, self.twin.bus_lost), self.edges
+        assert not self.equals_twin or (alive, lost) == (self.twin.core_alive, self.twin.bus_lost), self.edges
         self.seen.append((alive, lost, self.edges["bus"], self.edges["core"]))
         getattr(self.dut, f"{name}_clk").value = 1
         getattr(self.twin, f"{name}_clock")(self.rst[name])
@@ -85,7 +90,7 @@ class Clocks:
 
     async def wait_until(self, fs: int) -> None:
         if fs > self.now:
-            await Timer(fs - self.now, "fs")
+            await Timer(fs - self.now, UNIT)
             self.now = fs
 
     async def up(self) -> None:

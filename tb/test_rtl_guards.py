@@ -172,7 +172,7 @@ async def fail_while_open(dut, axes: int) -> None:
 
 @cocotb.test()
 async def settings_with_a_wrong_bit_engage_the_brakes(dut):
-    """In RUN; then each bit of those that the core holds is told to be wrong."""
+    """In RUN; then each bit of those that the core holds, commands and loads too, is told to be wrong."""
     system = Guarded(dut)
     await system.start(axi_mhz=40)
     await system.configure()
@@ -184,7 +184,7 @@ async def settings_with_a_wrong_bit_engage_the_brakes(dut):
     assert await system.causes() & UPSET
     word.value = int(word.value) ^ 1 << 100
     await system.clocks(1)
-    for bit in range(int(dut.held_bits.value)):
+    for bit in range(int(dut.watched_bits.value)):
         right = int(word.value)
         for value, is_bad in ((right ^ 1 << bit, 1), (right, 0)):
             word.value = value

@@ -9,6 +9,8 @@
 --
 -- So a core whose clock stood and runs again is told so before core_alive rises: its own registers, which slept, cannot
 -- know. bus_lost is then '1' for at least 2 stages_g + 2 clocks of core_clk.
+-- A wrong bit in any register here raises core_alive never, and lowers it for as many trips as a clock that stood, so
+-- that the core is told; or it does nothing.
 -- Limits: a round trip takes at most stages_g + 2 clocks of bus_clk and stages_g + 1 of core_clk. Each limit must be
 -- longer than that in clocks of its own side, or a clock that runs counts as one that stands. A clock that became as
 -- much slower counts as one that stands, too.
@@ -35,7 +37,7 @@ entity gc_clock_monitor is
     bus_clk    : in    std_ulogic;
     -- Synchronous to bus_clk, active high.
     bus_rst    : in    std_ulogic;
-    -- core_clk runs; a register of bus_clk.
+    -- core_clk runs; two registers of bus_clk and one gate, of which no two change against each other.
     core_alive : out   std_ulogic;
     core_clk   : in    std_ulogic;
     -- Synchronous to core_clk, active high.
@@ -55,6 +57,8 @@ architecture rtl of gc_clock_monitor is
   signal bus_expired  : std_ulogic;
   -- Round trips in a row that were in time, the first one at bit 1.
   signal trips        : std_ulogic_vector(1 to trips_c) := (others => '0');
+  signal alive        : std_ulogic;
+  signal alive_1      : std_ulogic := '0';
   signal arrival      : std_ulogic;
   signal core_expired : std_ulogic;
   signal told_alive   : std_ulogic;
@@ -98,14 +102,18 @@ begin
       if trip = '1' then
         trips <= '1' & trips(1 to trips_c - 1);
       end if;
-      if bus_expired = '1' or bus_rst = '1' then
+      -- It falls for one reason but these: a wrong bit. What fell for a clock only might never be seen by the core.
+      alive_1 <= alive;
+      if bus_expired = '1' or bus_rst = '1' or (alive_1 = '1' and alive = '0') then
         trips <= (others => '0');
       end if;
     end if;
 
   end process p_trips;
 
-  core_alive <= trips(trips_c);
+  -- The last two rise one after the other and fall together.
+  alive <= trips(trips_c - 1) and trips(trips_c);
+  core_alive <= alive;
 
   -- The side of the core
 

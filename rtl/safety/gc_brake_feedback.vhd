@@ -7,6 +7,7 @@
 -- in_released is delayed like the pins, so that a pin that follows at once never differs.
 -- The input of an open pin must read '0': pull it down.
 -- Latency: sync_stages_g + 1 clocks. After reset nothing differs until the pins are known.
+-- guard_g: upset = '1' one clock after a wrong bit in a time-out. Of the other registers a wrong bit lasts one clock.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -17,6 +18,8 @@ library work;
 
 entity gc_brake_feedback is
   generic (
+    -- Whether the time-outs are watched for wrong bits.
+    guard_g       : boolean := false;
     -- Flip-flops of the pins against metastability, at least 2.
     sync_stages_g : positive := 2
   );
@@ -32,7 +35,8 @@ entity gc_brake_feedback is
     cfg_clocks   : in    unsigned(31 downto 0);
     -- The pins, synchronous.
     out_feedback : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    out_differs  : out   std_ulogic
+    out_differs  : out   std_ulogic;
+    upset        : out   std_ulogic
   );
 end entity gc_brake_feedback;
 
@@ -43,6 +47,7 @@ architecture rtl of gc_brake_feedback is
   signal told    : std_ulogic_vector(inputs_c - 1 downto 0);
   signal agrees  : std_ulogic_vector(inputs_c - 1 downto 0);
   signal differs : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal upsets  : std_ulogic_vector(inputs_c - 1 downto 0);
 
 begin
 
@@ -74,18 +79,22 @@ begin
     agrees(i) <= (level(i) xnor told(i)) or not known;
 
     i_time : entity work.gc_timeout
+      generic map (
+        guard_g => guard_g
+      )
       port map (
         clk        => clk,
         rst        => rst,
         restart    => agrees(i),
         cfg_clocks => cfg_clocks,
         expired    => differs(i),
-        upset      => open
+        upset      => upsets(i)
       );
 
   end generate g_axis;
 
   out_feedback <= level;
   out_differs <= '1' when unsigned(differs) /= 0 else '0';
+  upset <= '1' when unsigned(upsets) /= 0 else '0';
 
 end architecture rtl;

@@ -25,7 +25,7 @@ entity gc_brakes is
     two_paths_g   : boolean := false;
     feedback_g    : boolean := false;
     test_g        : boolean := false;
-    -- Whether the time-outs are watched for wrong bits.
+    -- Whether the time-outs, and the order of the test, are watched for wrong bits.
     guard_g       : boolean := false;
     -- Flip-flops of brake_fed against metastability, at least 2.
     sync_stages_g : positive := 2
@@ -71,8 +71,8 @@ architecture rtl of gc_brakes is
   signal paths_differ : std_ulogic;
   signal pins_differ  : std_ulogic;
   signal test_failed  : std_ulogic;
-  signal upset_first  : std_ulogic;
-  signal upset_second : std_ulogic;
+  -- Of the first path, the second one, the read-back and the test.
+  signal upsets       : std_ulogic_vector(3 downto 0);
 
 begin
 
@@ -101,7 +101,7 @@ begin
       run              => run,
       may_test         => may_test,
       brake_release    => brake_release,
-      upset            => upset_first
+      upset            => upsets(0)
     );
 
   -- The second path
@@ -133,7 +133,7 @@ begin
         idle             => idle,
         shut             => shut,
         brake_engage     => brake_engage,
-        upset            => upset_second
+        upset            => upsets(1)
       );
 
     p_turn : process (clk) is
@@ -153,7 +153,7 @@ begin
   else generate
     brake_engage <= not brake_release;
     paths_differ <= '0';
-    upset_second <= '0';
+    upsets(1) <= '0';
   end generate g_two_paths;
 
   -- Read-back
@@ -164,6 +164,7 @@ begin
 
     i_feedback : entity work.gc_brake_feedback
       generic map (
+        guard_g       => guard_g,
         sync_stages_g => sync_stages_g
       )
       port map (
@@ -173,12 +174,14 @@ begin
         in_released  => told,
         cfg_clocks   => cfg_brake_clocks,
         out_feedback => sts_feedback,
-        out_differs  => pins_differ
+        out_differs  => pins_differ,
+        upset        => upsets(2)
       );
 
   else generate
     sts_feedback <= (others => '0');
     pins_differ <= '0';
+    upsets(2) <= '0';
   end generate g_feedback;
 
   -- Test
@@ -186,6 +189,9 @@ begin
   g_test : if test_g generate
 
     i_test : entity work.gc_brake_test
+      generic map (
+        guard_g => guard_g
+      )
       port map (
         clk         => clk,
         rst         => rst,
@@ -195,7 +201,8 @@ begin
         out_first   => test_first,
         out_second  => test_second,
         out_done    => tested,
-        out_failed  => test_failed
+        out_failed  => test_failed,
+        upset       => upsets(3)
       );
 
   else generate
@@ -203,6 +210,7 @@ begin
     test_second <= (others => '0');
     tested <= '1';
     test_failed <= '0';
+    upsets(3) <= '0';
   end generate g_test;
 
   p_wrong : process (clk) is
@@ -217,6 +225,6 @@ begin
 
   end process p_wrong;
 
-  upset <= upset_first or upset_second;
+  upset <= '1' when unsigned(upsets) /= 0 else '0';
 
 end architecture rtl;

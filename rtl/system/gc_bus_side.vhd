@@ -7,7 +7,8 @@
 -- bit written twice before that is one command. The interrupt bits follow the numbers in the state: one event per word
 -- of state that brings new results, a new fault or new missed ticks.
 -- An address without a register, a write to a register that cannot be written and a read of one that cannot be read
--- get the response SLVERR and change nothing; so does a write to the loader while it is locked.
+-- get the response SLVERR and change nothing; so does a write to the loader while it is locked. What is to be loaded
+-- counts only while it is unlocked: no wrong bit in the registers loads anything.
 -- A write address is taken when the write before it was answered and what that loads has gone out, in one word with
 -- the settings: a write finds the lock as those before it have left it, none overtakes another on the way to the core,
 -- and nothing is loaded faster than it is taken.
@@ -32,7 +33,7 @@ entity gc_bus_side is
     clock_hz_g       : positive := 40_000_000;
     filter_samples_g : natural := 4;
     loadable_g       : boolean := true;
-    -- Whether settings are watched for wrong bits.
+    -- Whether settings, and what waits to go out, are watched for wrong bits.
     guard_g          : boolean := false
   );
   port (
@@ -98,11 +99,14 @@ architecture rtl of gc_bus_side is
   signal settings      : settings_t;
   signal settings_held : held_t;
   signal parity        : parity_t;
+  signal once_parity   : std_ulogic := '0';
 
   signal command       : commands_t;
   signal waiting       : commands_t := no_commands_c;
+  signal next_waiting  : commands_t;
   signal loads         : load_t;
   signal loads_waiting : load_t := no_load_c;
+  signal next_loads    : load_t;
 
   signal number     : word_t   := (others => '0');
   signal missed     : word_t   := (others => '0');
@@ -189,10 +193,11 @@ begin
   end process p_loaded;
 
   loads.word <= regs_out.load_word.value.value when loaded = '1' else regs_out.load_crc.value.value;
-  loads.is_word <= loaded;
-  loads.begin_image <= regs_out.load_command.begin_image.value;
-  loads.commit <= regs_out.load_command.commit.value;
-  loads.use_rom <= regs_out.load_command.use_rom.value;
+  loads.is_word <= loaded and unlocked;
+  loads.begin_image <= regs_out.load_command.begin_image.value and unlocked;
+  -- It locks, one clock later.
+  loads.commit <= regs_out.load_command.commit.value and unlocked;
+  loads.use_rom <= regs_out.load_command.use_rom.value and unlocked;
 
   -- Identity
 
@@ -218,23 +223,22 @@ begin
   -- What is written to fault is one pulse, too.
   regs_in.fault.clear.hwclr <= '1';
 
+  next_waiting <= no_commands_c when rst = '1' else
+                  command when out_ready = '1' else
+                  waiting or command;
+
+  -- Nothing waits when something is to be loaded: a write behind one to the loader is not taken before that has gone.
+  next_loads <= no_load_c when rst = '1' else
+                loads when any_of(loads) = '1' else
+                no_load_c when out_ready = '1' else
+                loads_waiting;
+
   p_commands : process (clk) is
   begin
 
     if rising_edge(clk) then
-      waiting <= waiting or command;
-      if out_ready = '1' then
-        waiting <= command;
-        loads_waiting <= no_load_c;
-      end if;
-      -- Nothing waits then: a write behind one to the loader is not taken before that has gone.
-      if any_of(loads) = '1' then
-        loads_waiting <= loads;
-      end if;
-      if rst = '1' then
-        waiting <= no_commands_c;
-        loads_waiting <= no_load_c;
-      end if;
+      waiting <= next_waiting;
+      loads_waiting <= next_loads;
     end if;
 
   end process p_commands;
@@ -242,6 +246,7 @@ begin
   settings.commands <= no_commands_c;
   settings.load <= no_load_c;
   settings.parity <= (others => '0');
+  settings.once_parity <= '0';
   settings.enable <= regs_out.control.enable.value;
   settings.tick_enable <= regs_out.control.tick_enable.value;
   settings.home <= regs_out.control.home_enable.value;
@@ -268,15 +273,17 @@ begin
     out_settings.commands <= waiting;
     out_settings.load <= loads_waiting;
     out_settings.parity <= parity;
+    out_settings.once_parity <= once_parity;
 
   end process p_out;
 
-  -- Parity goes along with the settings; it is that of what was written. Settings change only in a write to one, and in
-  -- reset.
+  -- Parity goes along with the settings, and with what waits; it is that of what was written. Settings change only in a
+  -- write to one, and in reset.
 
   g_guard : if guard_g generate
     signal writing_setting : std_ulogic := '0';
     signal may_change      : std_ulogic;
+    signal once_wrong      : std_ulogic;
   begin
 
     p_setting : process (clk) is
@@ -310,8 +317,21 @@ begin
 
     end generate g_word;
 
+    -- What is kept stays wrong, with whatever joins it, until it has gone.
+    once_wrong <= once_parity xor parity_of(once(waiting, loads_waiting));
+
+    p_once : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        once_parity <= parity_of(once(next_waiting, next_loads)) xor (once_wrong and not (out_ready or rst));
+      end if;
+
+    end process p_once;
+
   else generate
     parity <= (others => '0');
+    once_parity <= '0';
   end generate g_guard;
 
   -- State

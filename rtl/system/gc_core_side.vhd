@@ -265,14 +265,17 @@ begin
   held_words <= held(in_settings);
 
   g_guard : if guard_g generate
-    signal bad : parity_t;
+    signal bad      : parity_t;
+    signal once_bad : std_ulogic;
   begin
 
     g_word : for i in bad'range generate
       bad(i) <= in_settings.parity(i) xor parity_of(held_words(32 * i + 31 downto 32 * i));
     end generate g_word;
 
-    setting_bad <= '1' when unsigned(bad) /= 0 else '0';
+    once_bad <= in_settings.once_parity xor parity_of(once(in_settings.commands, in_settings.load));
+
+    setting_bad <= '1' when unsigned(bad) /= 0 or once_bad = '1' else '0';
   else generate
     setting_bad <= '0';
   end generate g_guard;

@@ -345,8 +345,8 @@ begin
     bus_lost <= '0';
   end generate g_clock_watch;
 
-  -- A core whose clock stands keeps what it said last: a register of the other clock has the last word. Each output is
-  -- one gate behind two registers, of which one changes at a time, so nothing comes out that neither says.
+  -- A core whose clock stands keeps what it said last: registers of the other clock have the last word. Each output is
+  -- one gate behind registers of which no two change against each other, so nothing comes out that none says.
   drive_enable <= agreed_enable and core_alive;
   brake_release <= agreed_release when core_alive = '1' else (others => '0');
   brake_engage <= agreed_engage when core_alive = '1' else (others => '1');

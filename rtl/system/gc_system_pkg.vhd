@@ -57,6 +57,11 @@ package gc_system_pkg is
 
   subtype parity_t is std_ulogic_vector(held_words_c - 1 downto 0);
 
+  -- Bits of commands_t and load_t.
+  constant once_bits_c : positive := 3 + causes_c + 32 + 4;
+
+  subtype once_t is std_ulogic_vector(once_bits_c - 1 downto 0);
+
   type settings_t is record
     enable            : std_ulogic;
     tick_enable       : std_ulogic;
@@ -80,8 +85,9 @@ package gc_system_pkg is
     window_high       : axis_words_t;
     commands          : commands_t;
     load              : load_t;
-    -- Of held(settings), word by word.
+    -- Of held(settings), word by word; of once(commands, load).
     parity            : parity_t;
+    once_parity       : std_ulogic;
   end record settings_t;
 
   -- Fields as the registers of the same names.
@@ -127,7 +133,7 @@ package gc_system_pkg is
   -- The sums of the bits of all fields.
 
   subtype settings_word_t is std_ulogic_vector(
-    held_bits_c + 3 + causes_c + 32 + 4 + held_words_c - 1 downto 0
+    held_bits_c + once_bits_c + held_words_c + 1 - 1 downto 0
   );
 
   subtype state_word_t is std_ulogic_vector(
@@ -144,6 +150,13 @@ package gc_system_pkg is
     left  : commands_t;
     right : commands_t
   ) return commands_t;
+
+  -- What is done once, side by side.
+
+  function once (
+    commands : commands_t;
+    load     : load_t
+  ) return once_t;
 
   function to_word (
     settings : settings_t
@@ -285,6 +298,29 @@ package body gc_system_pkg is
 
   end function "or";
 
+  function once (
+    commands : commands_t;
+    load     : load_t
+  ) return once_t is
+
+    variable word_v : once_t := (others => '0');
+
+  begin
+
+    put(word_v, commands.start);
+    put(word_v, commands.kick);
+    put(word_v, commands.clear_encoder);
+    put(word_v, commands.clear_fault);
+    put(word_v, load.word);
+    put(word_v, load.is_word);
+    put(word_v, load.begin_image);
+    put(word_v, load.commit);
+    put(word_v, load.use_rom);
+
+    return word_v;
+
+  end function once;
+
   function to_word (
     settings : settings_t
   ) return settings_word_t is
@@ -313,16 +349,9 @@ package body gc_system_pkg is
     put(word_v, settings.index_period);
     put(word_v, settings.window_low);
     put(word_v, settings.window_high);
-    put(word_v, settings.commands.start);
-    put(word_v, settings.commands.kick);
-    put(word_v, settings.commands.clear_encoder);
-    put(word_v, settings.commands.clear_fault);
-    put(word_v, settings.load.word);
-    put(word_v, settings.load.is_word);
-    put(word_v, settings.load.begin_image);
-    put(word_v, settings.load.commit);
-    put(word_v, settings.load.use_rom);
+    put(word_v, once(settings.commands, settings.load));
     put(word_v, settings.parity);
+    put(word_v, settings.once_parity);
 
     return word_v;
 
@@ -431,6 +460,7 @@ package body gc_system_pkg is
     take(left_v, fields_v.load.commit);
     take(left_v, fields_v.load.use_rom);
     take(left_v, fields_v.parity);
+    take(left_v, fields_v.once_parity);
 
     return fields_v;
 

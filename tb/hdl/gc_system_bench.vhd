@@ -64,8 +64,8 @@ entity gc_system_bench is
     brake_engage    : out   std_ulogic_vector(inputs_c - 1 downto 0);
     -- Brakes that both paths release.
     brakes_open     : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    -- Bits of the settings that stay.
-    held_bits       : out   natural;
+    -- Bits that cross to the core with a parity: settings, and behind them what is done once.
+    watched_bits    : out   natural;
     -- The read-back of the axis is wrong; it follows at once otherwise.
     brake_fails     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0')
   );
@@ -117,7 +117,7 @@ begin
 
   brakes_open <= brake_release and not brake_engage;
   fed <= brakes_open xor brake_fails;
-  held_bits <= held_bits_c;
+  watched_bits <= held_bits_c + once_bits_c;
 
   pin_a <= a;
   pin_b <= b;

@@ -103,7 +103,8 @@ architecture sim of gc_words_bench is
     window_high       => axis_values(13),
     commands          => commands_c,
     load              => load_c,
-    parity            => value(18, held_words_c)
+    parity            => value(18, held_words_c),
+    once_parity       => '1'
   );
 
   constant state_c : state_t :=
