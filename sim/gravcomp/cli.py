@@ -7,6 +7,7 @@ import argparse
 import ast
 import importlib
 import importlib.util
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +16,10 @@ from gravcomp import __version__
 from gravcomp.errors import InputError
 
 # In the order of the work.
-COMMANDS = ("diagnose", "import", "train", "adopt", "formats", "rom", "image", "loop", "loop-report", "measure")
+COMMANDS = (
+    *("diagnose", "import", "new", "train", "adopt", "formats", "rom", "vectors", "image"),
+    *("loop", "loop-report", "measure"),
+)
 
 
 class _OneLineParser(argparse.ArgumentParser):
@@ -48,9 +52,12 @@ def run(program: str, description: str, package: str, commands: Sequence[str], a
     arguments = parser.parse_args(argv)
     try:
         module.run(arguments)
+        sys.stdout.flush()
     except InputError as error:
         print(f"{program} {arguments.command}: {error}", file=sys.stderr)
         return 2
+    except BrokenPipeError:  # the reader, as `head` does, has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except MemoryError:
         print(f"{program} {arguments.command}: not enough memory; ask for less", file=sys.stderr)
         return 2

@@ -1,8 +1,10 @@
 """Writing files so that nothing is ever half written."""
 
 import os
+import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from gravcomp.errors import InputError
@@ -41,6 +43,30 @@ def write_all_atomically(contents: Mapping[Path, str | bytes]) -> None:
     finally:
         for temporary in temporaries.values():
             temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def new_folder(folder: Path) -> Iterator[Path]:
+    """A folder to fill, whose content is folder's when the block ends well; otherwise nothing of it stays.
+
+    Raises InputError when folder is there and not empty, or cannot be written.
+    """
+    check_folder(folder)
+    made = [path for path in (folder, *folder.absolute().parents) if not path.exists()]
+    if not made and any(folder.iterdir()):
+        raise InputError(f"{folder}: is not empty; give a folder that is not there yet")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".new-") as draft:
+            yield Path(draft)
+            for path in Path(draft).iterdir():
+                path.rename(folder / path.name)
+    except BaseException as error:
+        if made:
+            shutil.rmtree(made[-1], ignore_errors=True)
+        if isinstance(error, OSError):
+            raise InputError(f"{folder}: cannot be written ({error.strerror}); check the disk") from error
+        raise
 
 
 def _write_temporary(path: Path, content: str | bytes) -> Path:
