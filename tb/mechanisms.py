@@ -14,7 +14,7 @@ def mechanism_toml(joints: dict[str, str], file: str = "robot.xml", model: str =
     axes = ""
     for joint, more in joints.items():
         counts = "" if "counts_per" in more else "counts_per_turn = 100000\n"
-        axes += f'\n[[axis]]\njoint = "{joint}"\neffort_per_ampere = 1.0\n{counts}{more}\n'
+        axes += f'\n[[axis]]\njoint = "{joint}"\neffort_per_ampere = 10.0\n{counts}{more}\n'
     return (
         f'name = "mine"\nclock_hz = 40e6\n\n[network]\nactivation = "gamma"\n\n[model]\nkind = "{kind}"\n'
         f'file = "{file}"\n{model}\n{axes}'

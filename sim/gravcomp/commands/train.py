@@ -1,8 +1,9 @@
 """Train a network on the statics of a machine and write its machine folder.
 
 --robot starts anew from robot.toml of a folder. --from trains the network in a folder further, whatever activation it
-was trained with, to the Gamma of the hardware. The starts run on all cores. With --backend dask they run on the Dask
-cluster that DASK_SCHEDULER_ADDRESS names.
+was trained with, to the Gamma of the hardware. --data takes poses and efforts from a CSV (q1_m or q1_rad, .., f1_n or
+f1_nm) in place of the statics of robot.toml; a fifth of its rows is kept to test on. The starts run on all cores. With
+--backend dask they run on the Dask cluster that DASK_SCHEDULER_ADDRESS names.
 """
 
 import time
@@ -19,6 +20,7 @@ def add_arguments(parser):
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--robot", type=Path, metavar="FOLDER", help="machine folder; its robot.toml alone is read")
     source.add_argument("--from", type=Path, dest="start", metavar="FOLDER", help="machine folder to train further")
+    parser.add_argument("--data", type=Path, metavar="CSV", help="poses and efforts to train on, of any model")
     parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="machine folder to write")
     parser.add_argument("--hidden", type=int, default=20, help="hidden neurons (default %(default)s)")
     parser.add_argument("--starts", type=int, default=4, help="searches per round (default %(default)s)")
@@ -34,13 +36,14 @@ def run(arguments):
     from gravcomp.network.weights import load_network
     from gravcomp.robot.machine import HARDWARE_ACTIVATION, load_machine
     from gravcomp.training.fine_tuning import retrained
-    from gravcomp.training.training import N_TEST_POSES, Effort, evaluate, train, workspace_set
+    from gravcomp.training.samples import machine_of_samples
+    from gravcomp.training.training import Effort, evaluate, train, training_and_test_set
 
     if arguments.out.exists() and not arguments.out.is_dir():
         raise InputError(f"{arguments.out}: is a file; give a folder")
     folder = arguments.robot or arguments.start
-    machine = load_machine(folder)
-    data = workspace_set(arguments.poses, machine.robot, arguments.seed)
+    machine = machine_of_samples(folder, arguments.data) if arguments.data else load_machine(folder)
+    data, unseen = training_and_test_set(arguments.poses, machine.robot, arguments.seed)
     began = time.monotonic()
     if arguments.start:
         machine = machine.with_activation(HARDWARE_ACTIVATION)
@@ -58,12 +61,12 @@ def run(arguments):
             effort=Effort(),
         )
         how = f"--robot {folder} --hidden {arguments.hidden} --starts {arguments.starts}"
-    unseen = workspace_set(N_TEST_POSES, machine.robot, arguments.seed + 1)
     metrics = evaluate(network, data, unseen, machine.activation)
     save_folder(arguments.out, MachineFolder(machine, network, load_compensation(folder, machine.n_axes)))
+    how += f" --data {arguments.data}" if arguments.data else ""
     command = f"gravcomp train {how} --out {arguments.out} --seed {arguments.seed} --poses {arguments.poses}"
-    sources = {"poses": arguments.poses, "seed": arguments.seed, "sha256": data.hash()}
-    sources |= {"test_poses": N_TEST_POSES, "test_seed": arguments.seed + 1}
+    sources = {"poses": len(data.q), "seed": arguments.seed, "sha256": data.hash()}
+    sources |= {"test_poses": len(unseen.q), "test_seed": arguments.seed + 1}
     write_provenance(arguments.out, command=command, data=sources, metrics=metrics, machine=machine)
     print(f"{arguments.out}: seed {arguments.seed}, stopped by {fit.reason}, {time.monotonic() - began:.0f} s")
     for name, value in metrics.items():

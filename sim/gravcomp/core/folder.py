@@ -13,7 +13,8 @@ from gravcomp.core.compensation import COMPENSATION_CSV, Compensation, load_comp
 from gravcomp.core.provenance import PROVENANCE_JSON
 from gravcomp.errors import InputError
 from gravcomp.files import write_all_atomically
-from gravcomp.network.weights import SCALING_CSV, Network, load_network, network_bytes, save_network
+from gravcomp.network.inputs import SIN_COS
+from gravcomp.network.weights import HIDDEN_CSV, SCALING_CSV, Network, load_network, network_bytes, save_network
 from gravcomp.robot.machine import HARDWARE_ACTIVATION, ROBOT_TOML, Machine, load_machine
 
 _RETRAIN = "train again with `gravcomp train --robot {0} --out {0}`"
@@ -37,6 +38,7 @@ def load_folder(folder: Path | str) -> MachineFolder:
     folder = Path(folder)
     machine, network = load_machine(folder), load_network(folder)
     _check_axes(folder, machine, network)
+    _check_inputs(folder, machine, network)
     if machine.activation != HARDWARE_ACTIVATION:
         raise InputError(
             f"{folder / ROBOT_TOML}: [network] activation = {machine.activation!r}, but the hardware runs "
@@ -75,6 +77,17 @@ def _check_axes(folder: Path, machine: Machine, network: Network) -> None:
     for axis, (own, given) in enumerate(zip(machine.position_units, network.position_units, strict=True), start=1):
         if own != given:
             raise InputError(f"{folder / SCALING_CSV}: row {axis}: position_unit {given}, but {ROBOT_TOML} says {own}")
+
+
+def _check_inputs(folder: Path, machine: Machine, network: Network) -> None:
+    for axis, (own, given) in enumerate(zip(machine.inputs, network.inputs, strict=True), start=1):
+        if own != given:
+            raise InputError(f"{folder / HIDDEN_CSV}: axis {axis} has columns of {given}, but {ROBOT_TOML} says {own}")
+        if own == SIN_COS:
+            raise InputError(
+                f"{folder / ROBOT_TOML}: axis {axis}: input = {own!r}: the core in VHDL takes positions alone as yet; "
+                "give position and train again"
+            )
 
 
 def _check_provenance(folder: Path, machine: Machine) -> None:

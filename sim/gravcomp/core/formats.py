@@ -9,6 +9,8 @@ Signals, in order (code = value * 2**fraction, truncated):
 
     count -> clamp to the trained range -> count code (>> count_shift) -> x -> a = W x + b -> Gamma(a) = h
           -> acc = V h + b -> y -> force in mN
+
+An axis with input sin_cos gives two x, sine and cosine of its phase, by another way: gravcomp.twin.sin_cos.
 """
 
 import math
@@ -19,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.errors import InputError
+from gravcomp.network.inputs import SIN_COS, axis_of_input, weight_columns
 from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, Network
 from gravcomp.robot.machine import ROBOT_TOML, Drive
 
@@ -27,6 +30,10 @@ COUNT_BITS = 32
 FORCE_BITS = 24  # mN: +-8388 N
 CURRENT_BITS = 32  # uA
 ACCUMULATOR_BITS = 48  # the widest sum that any vendor's DSP column adds in one go
+
+PHASE_BITS = 18  # of a turn
+PHASE_SCALE_FRACTION = 48  # a count of 32 bits is then at most one phase code off
+SIN_COS_FRACTION = 17
 
 PREACTIVATION_FRACTION = 16  # a in [-L, L) = [-2, 2)
 SLOPE_FRACTION = 17  # beta - theta |a| in [1/2, 1)
@@ -45,18 +52,21 @@ _SCALE_FRACTION_MAX = 31  # half of it must fit a VHDL integer; products of 36 b
 
 @dataclass(frozen=True)
 class FixedNetwork:
-    """The integers and formats of one network in hardware. n inputs and outputs, h hidden neurons.
+    """The integers and formats of one network in hardware. n axes, p inputs, h hidden neurons.
 
+    inputs (n,): position or sin_cos; the latter's count is not clamped, and phase_scale (n,) is 0 for the former.
     count_low, count_high (n,): clamp, encoder counts. count_shift: bits of the count dropped before scaling.
     input_scale (n,), input_scale_fraction: x = count_code * input_scale >> input_scale_fraction, x_fraction bits.
-    x_low, x_high (n,): lowest and highest code of x over all encoder counts.
-    hidden_weights (h, n) with weight_fraction; hidden_bias (h,) with x_fraction + weight_fraction.
+    x_low, x_high (p,): lowest and highest code of x over all encoder counts.
+    hidden_weights (h, p) with weight_fraction; hidden_bias (h,) with x_fraction + weight_fraction.
     output_weights (n, h) with output_weight_fraction; output_bias (n,) with that + HIDDEN_FRACTION.
     output_scale (n,), output_scale_fraction: force in mN = y * output_scale >> output_scale_fraction, y_fraction bits.
     current_scale (n,), current_scale_fraction: current in uA = force in mN * current_scale >> current_scale_fraction.
     hidden_sum_bits, output_sum_bits: widths in which no partial sum can overflow for any count (see bounds).
     """
 
+    inputs: tuple[str, ...]
+    phase_scale: np.ndarray
     count_low: np.ndarray
     count_high: np.ndarray
     count_shift: int
@@ -152,37 +162,55 @@ def bits_for(low: int, high: int) -> int:
 
 
 def _input_stage(network: Network, drive: Drive, path: Path, kept: Mapping) -> dict:
+    is_phase = np.array([kind == SIN_COS for kind in network.inputs])
+    if is_phase.any() and network.q_offset[is_phase].any():
+        row = int(np.flatnonzero(is_phase & (network.q_offset != 0))[0]) + 1
+        raise InputError(
+            f"{path}: row {row}, column q_offset: not 0, but the input is sin_cos; turn the weights instead"
+        )
+    low, high = _clamp(network, drive, is_phase, path)
+    count_shift = _count_shift(low[~is_phase], high[~is_phase], path, kept.get("count_shift"))
+    x_offset = network.q_offset * network.q_scale
+    x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset"], kept.get("x_fraction"))
+    per_code = 2.0**count_shift * drive.unit_per_count * network.q_scale * 2.0**x_fraction
+    where = f"{path}: row {{row}}, column q_scale"
+    input_scale, input_scale_fraction = _scale(per_code, where, kept.get("input_scale_fraction"), ~is_phase)
+    # Clamp and scale are monotonic: the ends of the trained range give the ends of x.
+    x_low, x_high = ((end >> count_shift) * input_scale >> input_scale_fraction for end in (low, high))
+    most = (2**SIN_COS_FRACTION - 1) >> SIN_COS_FRACTION - x_fraction
+    axis = axis_of_input(network.inputs)
+    counts_per_turn = 2 * np.pi * drive.counts_per_unit
+    return {
+        "inputs": network.inputs,
+        "phase_scale": np.where(is_phase, np.rint(2.0**PHASE_SCALE_FRACTION / counts_per_turn), 0).astype(np.int64),
+        "count_low": low,
+        "count_high": high,
+        "count_shift": count_shift,
+        "input_scale": input_scale,
+        "input_scale_fraction": input_scale_fraction,
+        "x_fraction": x_fraction,
+        "x_low": np.where(is_phase, -most - 1, x_low)[axis],
+        "x_high": np.where(is_phase, most, x_high)[axis],
+    }
+
+
+def _clamp(network: Network, drive: Drive, is_phase: np.ndarray, path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """The counts (n,) to which those of each axis are clamped: the trained range, or all where the phase wraps."""
     centre = network.q_offset / drive.unit_per_count
     reach = INPUT_LIMIT / network.q_scale / drive.unit_per_count
     low, high = np.ceil(centre - reach), np.floor(centre + reach)
-    for row in range(network.n_axes):
+    for row in np.flatnonzero(~is_phase):
         if not -(2 ** (COUNT_BITS - 1)) < low[row] <= high[row] < 2 ** (COUNT_BITS - 1):
             raise InputError(
                 f"{path}: row {row + 1}, column q_scale: the trained range is {low[row]:.0f} to {high[row]:.0f} "
                 f"encoder counts; it must hold a count and fit {COUNT_BITS} bits"
             )
-    count_low, count_high = low.astype(np.int64), high.astype(np.int64)
-    count_shift = _count_shift(count_low, count_high, path, kept.get("count_shift"))
-    x_offset = network.q_offset * network.q_scale
-    x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset"], kept.get("x_fraction"))
-    per_code = 2.0**count_shift * drive.unit_per_count * network.q_scale * 2.0**x_fraction
-    where = f"{path}: row {{row}}, column q_scale"
-    input_scale, input_scale_fraction = _scale(per_code, where, kept.get("input_scale_fraction"))
-    return {
-        "count_low": count_low,
-        "count_high": count_high,
-        "count_shift": count_shift,
-        "input_scale": input_scale,
-        "input_scale_fraction": input_scale_fraction,
-        "x_fraction": x_fraction,
-        # Clamp and scale are monotonic: the ends of the trained range give the ends of x.
-        "x_low": (count_low >> count_shift) * input_scale >> input_scale_fraction,
-        "x_high": (count_high >> count_shift) * input_scale >> input_scale_fraction,
-    }
+    most = 2 ** (COUNT_BITS - 1)
+    return tuple(np.where(is_phase, all_, end).astype(np.int64) for all_, end in ((-most, low), (most - 1, high)))
 
 
 def _hidden_stage(network: Network, drive: Drive, inputs: Mapping, path: Path, kept: Mapping) -> dict:
-    columns = [f"w_q{i}" for i in range(1, network.n_axes + 1)]
+    columns = weight_columns(network.inputs)
     weight_fraction = _fraction_for(network.hidden_weights, path, columns, kept.get("weight_fraction"))
     weights = _codes(network.hidden_weights, weight_fraction)
     # What the code of x lacks on average: half its LSB, the dropped bits of the count, the offset of the scaling.
@@ -190,6 +218,10 @@ def _hidden_stage(network: Network, drive: Drive, inputs: Mapping, path: Path, k
     x_lacks = (
         2.0 ** -(inputs["x_fraction"] + 1) + (dropped_count * drive.unit_per_count - network.q_offset) * network.q_scale
     )
+    # Sine and cosine are rounded, then lose what x has no bits for.
+    of_phase = 2.0 ** -(inputs["x_fraction"] + 1) - 2.0 ** -(SIN_COS_FRACTION + 1)
+    axis = axis_of_input(network.inputs)
+    x_lacks = np.where(inputs["phase_scale"] > 0, of_phase, x_lacks)[axis]
     bias = network.hidden_bias + weights * 2.0**-weight_fraction @ x_lacks + 2.0 ** -(PREACTIVATION_FRACTION + 1)
     sum_fraction = inputs["x_fraction"] + weight_fraction
     if sum_fraction < PREACTIVATION_FRACTION:
@@ -246,7 +278,7 @@ def _output_stage(network: Network, folder: Path, kept: Mapping) -> dict:
 
 def _count_shift(low: np.ndarray, high: np.ndarray, path: Path, kept: int | None) -> int:
     """Bits of the count to drop so that the limits of every axis fit an operand, or those that the core drops."""
-    least = max(0, bits_for(int(low.min()), int(high.max())) - OPERAND_BITS)
+    least = max(0, bits_for(int(low.min(initial=0)), int(high.max(initial=0))) - OPERAND_BITS)
     if kept is not None and least > kept:
         raise InputError(
             f"{path}: column q_scale: the trained range is wider than the {OPERAND_BITS + kept} bits of counts "
@@ -295,8 +327,17 @@ def _sum_bits(interval: tuple[int, int], drop: int, path: Path, kept: int | None
     return kept or bits
 
 
-def _scale(factors: np.ndarray, where: str, kept: int | None) -> tuple[np.ndarray, int]:
-    """Positive factors as 18-bit codes with one common fraction; where names a factor, with {row} for its number."""
+def _scale(factors: np.ndarray, where: str, kept: int | None, used: np.ndarray | None = None) -> tuple[np.ndarray, int]:
+    """Positive factors as 18-bit codes with one common fraction; where names a factor, with {row} for its number.
+
+    Those that are not used get the code 0.
+    """
+    if used is not None and not used.all():
+        codes = np.zeros(len(factors), dtype=np.int64)
+        fraction = kept or 0
+        if used.any():
+            codes[used], fraction = _scale(factors[used], where, kept)
+        return codes, fraction
     largest = float(factors.max())
     fraction = math.floor(math.log2(_OPERAND_MAX) - math.log2(largest)) if 0 < largest < math.inf else -1
     if not (kept or 0) <= fraction <= _SCALE_FRACTION_MAX:

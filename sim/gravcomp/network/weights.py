@@ -1,7 +1,7 @@
 """A trained network and its folder of CSV files.
 
 y = S_o (W_o^T Gamma(W_H^T S_i x + b_H) + b_o), written out:
-x = (q - q_offset) q_scale;  h = Gamma(W x + b_H);  f = f_offset + f_scale (V h + b_o).
+x = (q - q_offset) q_scale, or sin and cos of q - q_offset;  h = Gamma(W x + b_H);  f = f_offset + f_scale (V h + b_o).
 """
 
 import csv
@@ -15,6 +15,7 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.files import write_all_atomically
 from gravcomp.network.activation import gamma
+from gravcomp.network.inputs import POSITION, SIN_COS, inputs_of, weight_columns
 
 HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV = "hidden.csv", "output.csv", "scaling.csv"
 _SCALING_COLUMNS = ("q_offset", "q_scale", "f_offset", "f_scale")
@@ -26,10 +27,11 @@ UNITS = ("m", "rad")
 
 @dataclass(frozen=True)
 class Network:
-    """A network with one hidden layer; n inputs, h hidden neurons, and as many outputs as inputs.
+    """A network with one hidden layer; n axes, p inputs, h hidden neurons, an output per axis.
 
-    hidden_weights W (h, n), hidden_bias b_H (h,), output_weights V (n, h), output_bias b_o (n,): no unit.
+    hidden_weights W (h, p), hidden_bias b_H (h,), output_weights V (n, h), output_bias b_o (n,): no unit.
     q_offset (n,) m or rad, as position_units say; q_scale (n,) 1/m or 1/rad; f_offset, f_scale (n,) N, or Nm for rad.
+    inputs (n,): position or sin_cos, what the network sees of each axis.
     """
 
     hidden_weights: np.ndarray
@@ -41,6 +43,10 @@ class Network:
     f_offset: np.ndarray
     f_scale: np.ndarray
     position_units: tuple[str, ...]
+    inputs: tuple[str, ...] = ()
+
+    def __post_init__(self):
+        object.__setattr__(self, "inputs", self.inputs or (POSITION,) * len(self.position_units))
 
     @property
     def n_hidden(self) -> int:
@@ -52,7 +58,7 @@ class Network:
 
     def forces(self, q: np.ndarray, activation: Callable = gamma) -> np.ndarray:
         """Efforts f (..., n), N or Nm, at joint positions q (..., n), m or rad, in floating point."""
-        x = (q - self.q_offset) * self.q_scale
+        x = inputs_of(q, self.q_offset, self.q_scale, self.inputs)
         hidden = activation(x @ self.hidden_weights.T + self.hidden_bias)
         return self.f_offset + self.f_scale * (hidden @ self.output_weights.T + self.output_bias)
 
@@ -62,7 +68,7 @@ def save_network(network: Network, folder: Path | str) -> None:
     folder = Path(folder)
     neurons = range(1, network.n_hidden + 1)
     output_header = ["axis", *(f"v_{k}" for k in neurons), "bias"]
-    hidden = _csv_text(_hidden_header(network.n_axes), np.c_[network.hidden_weights, network.hidden_bias])
+    hidden = _csv_text(_hidden_header(network.inputs), np.c_[network.hidden_weights, network.hidden_bias])
     output = _csv_text(output_header, np.c_[network.output_weights, network.output_bias])
     values = np.stack([getattr(network, name) for name in _SCALING_COLUMNS], axis=1)
     scaling = _csv_text(_SCALING_HEADER, values, network.position_units)
@@ -78,7 +84,9 @@ def load_network(folder: Path | str) -> Network:
     folder = Path(folder)
     scaling, units = _read_scaling(folder / SCALING_CSV)
     n_axes = len(scaling)
-    hidden = _read_table(folder / HIDDEN_CSV, _hidden_header(n_axes))
+    lines = _read_lines(folder / HIDDEN_CSV, _hidden_header((POSITION,) * n_axes))
+    inputs = _inputs_in(lines[0], n_axes)
+    hidden = _table(folder / HIDDEN_CSV, lines, _hidden_header(inputs))
     n_hidden = len(hidden)
     output_header = ["axis", *(f"v_{k}" for k in range(1, n_hidden + 1)), "bias"]
     output = _read_table(folder / OUTPUT_CSV, output_header)
@@ -91,7 +99,7 @@ def load_network(folder: Path | str) -> Network:
         for row in np.flatnonzero(scaling[:, column - 1] <= 0):
             value = scaling[row, column - 1]
             raise InputError(f"{folder / SCALING_CSV}: row {row + 1}, column {name}: {value} must be positive")
-    return Network(hidden[:, :-1], hidden[:, -1], output[:, :-1], output[:, -1], *scaling.T, units)
+    return Network(hidden[:, :-1], hidden[:, -1], output[:, :-1], output[:, -1], *scaling.T, units, inputs)
 
 
 def network_bytes(folder: Path | str) -> bytes:
@@ -116,8 +124,14 @@ def _read_scaling(path: Path) -> tuple[np.ndarray, tuple[str, ...]]:
     return _table(path, rest, ["axis", *_SCALING_COLUMNS]), tuple(units)
 
 
-def _hidden_header(n_axes: int) -> list[str]:
-    return ["neuron", *(f"w_q{i}" for i in range(1, n_axes + 1)), "bias"]
+def _hidden_header(inputs: Sequence[str]) -> list[str]:
+    return ["neuron", *weight_columns(inputs), "bias"]
+
+
+def _inputs_in(header: list[str], n_axes: int) -> tuple[str, ...]:
+    """What the columns of hidden.csv say that the network sees."""
+    found = {name.strip() for name in header}
+    return tuple(SIN_COS if found & {f"w_sin{i}", f"w_cos{i}"} else POSITION for i in range(1, n_axes + 1))
 
 
 def _csv_text(header: list[str], rows: np.ndarray, words: Sequence[str] = ()) -> str:

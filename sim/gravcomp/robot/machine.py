@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.errors import InputError
+from gravcomp.network.inputs import INPUTS, POSITION, SIN_COS
 from gravcomp.robot.fields import entry, finite, positive, ratio
 from gravcomp.robot.kinds import robot_from_table
 from gravcomp.robot.protocol import HasRanges, ReadsFiles, Robot
@@ -28,8 +29,6 @@ HARDWARE_ACTIVATION = "gamma"
 ACTIVATIONS = (HARDWARE_ACTIVATION, "tanh")
 EFFORT_UNITS = {"m": "N", "rad": "Nm"}
 COUNTS = {"m": "counts_per_m", "rad": "counts_per_turn"}  # key of [[axis]] by the axis' unit
-# What the network sees of an axis: its position, or sine and cosine of it.
-INPUTS = ("position", "sin_cos")
 # Keys of robot.toml that statics and workspace depend on: a network is trained on them.
 _TRAINED_ON = ("model", "workspace", "effects", "empirical")
 
@@ -46,7 +45,7 @@ class Axis:
     index_period: int
     low: float
     high: float
-    input: str = "position"
+    input: str = POSITION
 
 
 @dataclass(frozen=True)
@@ -92,6 +91,11 @@ class Machine:
         return tuple(axis.unit for axis in self.axes)
 
     @property
+    def inputs(self) -> tuple[str, ...]:
+        """What the network sees of each axis."""
+        return tuple(axis.input for axis in self.axes)
+
+    @property
     def effort_unit(self) -> str:
         """N or Nm, or both where the axes differ."""
         return " or ".join(sorted({EFFORT_UNITS[unit] for unit in self.position_units}))
@@ -128,7 +132,7 @@ class Machine:
         facts = {"low": axis.low, "high": axis.high}
         if "joint" in given:
             facts["joint"] = given["joint"]
-        return facts if axis.input == "position" else facts | {"input": axis.input}
+        return facts if axis.input == POSITION else facts | {"input": axis.input}
 
     def core_facts(self) -> str:
         """What the ROM holds of this machine, as text for its hash: clock, counts, efforts per ampere, activation."""
@@ -183,7 +187,7 @@ def parse_machine(text: str, where: str) -> Machine:
 
 
 def _other_input(axis: Axis) -> list[str]:
-    return [] if axis.input == "position" else [axis.input]
+    return [] if axis.input == POSITION else [axis.input]
 
 
 def trained_on_hash(facts: Mapping) -> str:
@@ -198,8 +202,8 @@ def _axis(table, where: str, robot: Robot, index: int) -> Axis:
     for key in table.keys() - known:
         raise InputError(f"{where}: {key} is not known; give {', '.join(sorted(known))}")
     unit = robot.position_units[index]
-    kind = table.get("input", "position")
-    if kind not in INPUTS or (kind == "sin_cos" and unit != "rad"):
+    kind = table.get("input", POSITION)
+    if kind not in INPUTS or (kind == SIN_COS and unit != "rad"):
         mend = "give position or sin_cos" if unit == "rad" else "this core takes positions alone of a linear axis"
         raise InputError(f"{where}: input = {kind!r}; {mend}")
     period = table.get("index_period", 0)

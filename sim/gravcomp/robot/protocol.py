@@ -82,6 +82,16 @@ class ReadsFiles(Protocol):
 
 
 @runtime_checkable
+class HasRows(Protocol):
+    """May have a workspace that is a list of poses: some of them are kept from training, to test on."""
+
+    @property
+    def rows(self) -> np.ndarray | None:
+        """All poses of the workspace (N, n), or None where it is no list."""
+        ...
+
+
+@runtime_checkable
 class TurnsGravity(Protocol):
     """Can tell what it holds when gravity has another direction: its base is not level."""
 

@@ -35,6 +35,10 @@ class Table:
     def n_axes(self) -> int:
         return len(self.position_units)
 
+    @property
+    def rows(self) -> np.ndarray:
+        return self.q
+
     def forces(self, q: np.ndarray) -> np.ndarray:
         """Efforts (..., n) at rows q (..., n) of the table. Raises PoseError for any other pose."""
         q = np.asarray(q, dtype=float)

@@ -21,7 +21,7 @@ def retrained(network: Network, data: TrainingSet, drive: Drive, rounds: int = _
     """
     low, high = data.f.min(axis=0), data.f.max(axis=0)
     half = np.where(high > low, _MARGIN * (high - low) / 2, network.f_scale)
-    scaling = Scaling(network.q_offset, network.q_scale, (high + low) / 2, half, network.position_units)
+    scaling = Scaling(network.q_offset, network.q_scale, (high + low) / 2, half, network.position_units, network.inputs)
     problem = Problem(scaling.x(data.q), scaling.y(data.f), network.n_hidden, ACTIVATIONS["gamma"], ridge=RIDGE)
     hidden = np.c_[network.hidden_weights, network.hidden_bias]
     with one_blas_thread():

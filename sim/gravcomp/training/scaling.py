@@ -8,18 +8,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from gravcomp.errors import InputError
+from gravcomp.network.inputs import POSITION, SIN_COS, inputs_of
 from gravcomp.robot.machine import Machine
+
+_LEAST_SHARE = 1.0 / 64.0  # of the largest scale of efforts: all have one format in hardware
 
 
 @dataclass(frozen=True)
 class Scaling:
-    """x = (q - q_offset) q_scale and y = (f - f_offset) / f_scale, (n,) each: |x| < 1, |y| <= 1 in the workspace."""
+    """x = (q - q_offset) q_scale, or sin and cos, and y = (f - f_offset) / f_scale: at most 1 in the workspace.
+
+    (n,) each; inputs: position or sin_cos by axis.
+    """
 
     q_offset: np.ndarray
     q_scale: np.ndarray
     f_offset: np.ndarray
     f_scale: np.ndarray
     position_units: tuple[str, ...]
+    inputs: tuple[str, ...] = ()
 
     @property
     def is_uniform(self) -> bool:
@@ -27,7 +34,7 @@ class Scaling:
         return all(len(set(values)) == 1 for values in vars(self).values())
 
     def x(self, q: np.ndarray) -> np.ndarray:
-        return (q - self.q_offset) * self.q_scale
+        return inputs_of(q, self.q_offset, self.q_scale, self.inputs or (POSITION,) * len(self.q_scale))
 
     def y(self, f: np.ndarray) -> np.ndarray:
         return (f - self.f_offset) / self.f_scale
@@ -43,9 +50,15 @@ def workspace_scaling(machine: Machine) -> Scaling:
             f"which reaches from {bounds.q_least[k]:.6g} to {bounds.q_most[k]:.6g} {machine.axes[k].unit}; widen it, "
             "or make [workspace] smaller"
         )
-    # An axis without load keeps the scale of the others.
     half = (bounds.f_high - bounds.f_low) / 2.0
-    f_scale = np.where(half > 0, half, half.max() if half.max() > 0 else 1.0)
+    # An axis without load keeps the scale of the others; one with little gets what the common format can hold.
+    f_scale = np.where(half > 0, np.maximum(half, _LEAST_SHARE * half.max()), half.max() if half.max() > 0 else 1.0)
+    turns = np.array([kind == SIN_COS for kind in machine.inputs])
     return Scaling(
-        (high + low) / 2.0, 2.0 / (high - low), (bounds.f_high + bounds.f_low) / 2.0, f_scale, machine.position_units
+        q_offset=np.where(turns, 0.0, (high + low) / 2.0),
+        q_scale=np.where(turns, 1.0, 2.0 / (high - low)),
+        f_offset=(bounds.f_high + bounds.f_low) / 2.0,
+        f_scale=f_scale,
+        position_units=machine.position_units,
+        inputs=machine.inputs,
     )

@@ -18,7 +18,7 @@ from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
 from gravcomp.network.weights import Network
 from gravcomp.robot.machine import Drive, Machine
-from gravcomp.robot.protocol import Robot
+from gravcomp.robot.protocol import HasRows, Robot
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
 from gravcomp.training.scaling import Scaling, workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws
@@ -58,12 +58,26 @@ class Effort:
 
 def workspace_set(n_poses: int, robot: Robot, seed: int) -> TrainingSet:
     """n_poses random poses of the workspace. Raises InputError when n_poses is below 1 or seed below 0."""
-    if n_poses < 1:
-        raise InputError(f"{n_poses} poses; give at least 1")
-    if seed < 0:
-        raise InputError(f"seed {seed} is negative; give 0 or more")
+    _check_request(n_poses, seed)
     q = robot.workspace(n_poses, seed)
     return TrainingSet(q, robot.forces(q))
+
+
+def training_and_test_set(n_poses: int, robot: Robot, seed: int) -> tuple[TrainingSet, TrainingSet]:
+    """n_poses random poses of the workspace, and N_TEST_POSES other ones.
+
+    Of a workspace that is a list at most so many of its rows, a fifth of all for the test. Raises InputError.
+    """
+    rows = robot.rows if isinstance(robot, HasRows) else None
+    if rows is None:
+        return workspace_set(n_poses, robot, seed), workspace_set(N_TEST_POSES, robot, seed + 1)
+    _check_request(n_poses, seed)
+    n_test = min(N_TEST_POSES, len(rows) // 5)
+    if n_test < 1:
+        raise InputError(f"{len(rows)} poses in the workspace; give at least 5, a fifth is for the test")
+    order = np.random.default_rng(seed).permutation(len(rows))
+    test, rest = rows[order[:n_test]], rows[order[n_test : n_test + n_poses]]
+    return TrainingSet(rest, robot.forces(rest)), TrainingSet(test, robot.forces(test))
 
 
 def train(
@@ -144,6 +158,7 @@ def evaluate(network: Network, data: TrainingSet, unseen: TrainingSet, activatio
         "test_mse": float(np.mean(error**2)),
         "test_rms": float(np.sqrt(np.mean(error**2))),
         "test_max": float(np.abs(error).max()),
+        "test_rms_percent": 100.0 * float(np.sqrt(np.mean(error**2) / np.mean(unseen.f**2))),
         "max_hidden_weight": float(np.abs(network.hidden_weights).max()),
         "max_output_weight": float(np.abs(network.output_weights).max()),
     }
@@ -189,6 +204,13 @@ def _problem(x, y, n_hidden: int, activation: str, symmetric: bool) -> Problem:
     if symmetric:
         x, y = cyclic_images(x), cyclic_images(y)
     return Problem(x, y, n_hidden, ACTIVATIONS[activation], None, RIDGE)
+
+
+def _check_request(n_poses: int, seed: int) -> None:
+    if n_poses < 1:
+        raise InputError(f"{n_poses} poses; give at least 1")
+    if seed < 0:
+        raise InputError(f"seed {seed} is negative; give 0 or more")
 
 
 def _check(data: TrainingSet, n_hidden: int, n_starts: int) -> None:

@@ -4,12 +4,15 @@ All values are integer codes (int64); their formats are those of FixedNetwork. A
 ``gc_fixed_pkg`` (towards minus infinity).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from gravcomp.core import formats as q
 from gravcomp.core.formats import FixedNetwork
+from gravcomp.network.inputs import SIN_COS
+from gravcomp.twin.sin_cos import phase, sin_cos
 
 
 @dataclass(frozen=True)
@@ -28,14 +31,24 @@ def saturate(value: np.ndarray, bits: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def input_scaler(count: np.ndarray, fixed: FixedNetwork) -> tuple[np.ndarray, np.ndarray]:
-    """gc_input_scaler: counts (..., n) to codes of x (..., n), and whether each count was clamped."""
+    """gc_input_scaler: counts (..., n) to codes of x (..., p), and whether each count was clamped."""
     limited = np.clip(count, fixed.count_low, fixed.count_high)
     x = (limited >> fixed.count_shift) * fixed.input_scale >> fixed.input_scale_fraction
+    if SIN_COS in fixed.inputs:
+        x = np.stack([code for axis in range(fixed.n_axes) for code in _codes_of(axis, x, count, fixed)], axis=-1)
     return x, limited != count
 
 
+def _codes_of(axis: int, x: np.ndarray, count: np.ndarray, fixed: FixedNetwork) -> Iterable[np.ndarray]:
+    """Codes of what the network sees of one axis: x (..., n) as of a position, or sine and cosine of the phase."""
+    if fixed.inputs[axis] != SIN_COS:
+        return [x[..., axis]]
+    both = sin_cos(phase(count[..., axis], fixed.phase_scale[axis]))
+    return [code >> q.SIN_COS_FRACTION - fixed.x_fraction for code in both]
+
+
 def hidden_lane(x: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
-    """gc_hidden_lane: codes of x (..., n) to those of the pre-activations (..., h), saturated to [-2, 2)."""
+    """gc_hidden_lane: codes of x (..., p) to those of the pre-activations (..., h), saturated to [-2, 2)."""
     total = x @ fixed.hidden_weights.T + fixed.hidden_bias
     return saturate(total >> fixed.preactivation_drop, q.OPERAND_BITS)[0]
 

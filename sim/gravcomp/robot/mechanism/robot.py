@@ -79,6 +79,11 @@ class Mechanism:
     def ranges(self) -> tuple[np.ndarray, np.ndarray]:
         return self.area.low, self.area.high
 
+    @property
+    def rows(self) -> np.ndarray | None:
+        """All poses of the workspace (N, n) where it is a list."""
+        return self.area.q if isinstance(self.area, Poses) else None
+
     @cached_property
     def bounds(self) -> Bounds:
         """Of efforts by a search from random poses. Raises PoseError when the workspace leaves the robot's."""
@@ -195,7 +200,7 @@ def from_table(table: dict, where: str) -> Mechanism:
             raise InputError(
                 f"{where}: axis {k + 1}: joint {tree.joints[joint]!r} is axis {joints.index(joint) + 1} too"
             )
-    limits = [_limits(tree, joint) for joint in joints]
+    limits = [joint_limits(tree, joint) for joint in joints]
     ranges = [
         working_range(axis, f"{where}: axis {k}", limit)
         for k, (axis, limit) in enumerate(zip(entries, limits, strict=True), start=1)
@@ -233,16 +238,21 @@ def _joint(tree: Tree, axis: Mapping, where: str) -> int:
     return tree.joints.index(name)
 
 
-def _limits(tree: Tree, joint: int) -> Limits:
+def joint_limits(tree: Tree, joint: int) -> Limits:
+    """What the file says of a hinge or slide."""
     m = tree.model
     low, high = (float(value) for value in m.jnt_range[joint])
     return Limits(UNITS[int(m.jnt_type[joint])], Range(low, high) if m.jnt_limited[joint] and low < high else None)
 
 
+def zero_pose(tree: Tree) -> np.ndarray:
+    """The file's first keyframe, or its zero, as a configuration (nq,)."""
+    return (tree.model.key_qpos[0] if tree.model.nkey else tree.model.qpos0).copy()
+
+
 def _reference(tree: Tree, held: Mapping, joints: list[int], where: str) -> np.ndarray:
-    """The file's first keyframe, or its zero, with the joints of [model.held] where that says."""
-    m = tree.model
-    reference = (m.key_qpos[0] if m.nkey else m.qpos0).copy()
+    """The zero pose, with the joints of [model.held] where that says."""
+    m, reference = tree.model, zero_pose(tree)
     if not isinstance(held, Mapping):
         raise InputError(f"{where}: give a table, joint = position")
     for name in held:
@@ -265,11 +275,16 @@ def _gravity(tree: Tree, model: Mapping, where: str) -> np.ndarray:
     return gravity
 
 
+def last_body(tree: Tree, axes: np.ndarray) -> int:
+    """The last body with a mass that the degrees of freedom axes move."""
+    heavy = np.flatnonzero(tree.moves[axes].any(axis=0) & (tree.mass_kg > 0))
+    return int(heavy[-1]) if heavy.size else int(tree.dof_body[axes[-1]])
+
+
 def _last_body(tree: Tree, model: Mapping, axes: np.ndarray, where: str) -> int:
     """The body that takes a payload: of [model] payload_body, or the last that has mass and that an axis moves."""
     if "payload_body" not in model:
-        heavy = np.flatnonzero(tree.moves[axes].any(axis=0) & (tree.mass_kg > 0))
-        return int(heavy[-1]) if heavy.size else int(tree.dof_body[axes[-1]])
+        return last_body(tree, axes)
     name = text(model, where, "payload_body")
     if name not in tree.bodies[1:]:
         raise InputError(f"{where} payload_body = {name!r} is not known; give one of {', '.join(tree.bodies[1:])}")
