@@ -79,5 +79,7 @@ def test_wrong_arguments_are_one_line(arguments, capsys):
 
 def test_missing_extra_is_one_line_that_tells_the_package(monkeypatch):
     monkeypatch.setitem(sys.modules, "cocotb_tools.runner", None)
-    with pytest.raises(InputError, match=r"^a simulation needs cocotb; start `\S+ -m pip install cocotb`$"):
+    with pytest.raises(
+        InputError, match=r"^cocotb is not installed, and a simulation needs it; start `\S+ -m pip install cocotb`$"
+    ):
         optional("cocotb_tools.runner", "cocotb", "a simulation")

@@ -224,15 +224,21 @@ def test_file_of_another_kind_is_one_line(tmp_path, capsys, kind):
 
 
 @pytest.mark.parametrize(
-    ("kind", "module"),
-    [("mcap", "mcap"), ("mdf", "asammdf"), ("parquet", "pyarrow"), ("rosbag", "rosbags"), ("tdms", "nptdms")],
+    ("kind", "module", "package"),
+    [
+        ("mcap", "mcap", "mcap-ros2-support"),
+        ("mdf", "asammdf", "asammdf"),
+        ("parquet", "pyarrow", "pyarrow"),
+        ("rosbag", "rosbags", "rosbags"),
+        ("tdms", "nptdms", "nptdms"),
+    ],
 )
-def test_missing_extra_is_one_line_that_says_what_to_install(tmp_path, capsys, monkeypatch, kind, module):
+def test_missing_extra_is_one_line_that_says_what_to_install(tmp_path, capsys, monkeypatch, kind, module, package):
     for name in [module, *(name for name in sys.modules if name.startswith(f"{module}."))]:
         monkeypatch.setitem(sys.modules, name, None)
     message = refused(tmp_path, capsys, kind, tmp_path / "log")
-    assert f"{module} is not installed" in message
-    assert f"pip install 'gravcomp[{kind}]'" in message
+    assert f"{package} is not installed" in message
+    assert f"-m pip install {package}`" in message
 
 
 BAD = {

@@ -15,5 +15,6 @@ def optional(module: str, package: str, purpose: str):
     """Import a module of a package that only an extra of pyproject.toml installs; InputError says how to get it."""
     try:
         return importlib.import_module(module)
-    except ModuleNotFoundError:
-        raise InputError(f"{purpose} needs {package}; start `{sys.executable} -m pip install {package}`") from None
+    except ImportError:
+        how = f"start `{sys.executable} -m pip install {package}`"
+        raise InputError(f"{package} is not installed, and {purpose} needs it; {how}") from None

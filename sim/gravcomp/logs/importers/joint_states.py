@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.errors import InputError
-from gravcomp.logs.importers.library import library
+from gravcomp.errors import InputError, optional
 from gravcomp.logs.importers.signals import Signal
 
 _TYPE = "sensor_msgs/msg/JointState"
@@ -19,7 +18,7 @@ _FIELDS = {"position": ("q", "rad"), "velocity": ("v", "radps"), "effort": ("f",
 
 def rosbag_signals(path: Path) -> dict[str, Signal]:
     """Joint states of a rosbag2 folder, storage sqlite3 or mcap. Raises InputError."""
-    highlevel, typesys = library("rosbags.highlevel", "rosbag"), library("rosbags.typesys", "rosbag")
+    highlevel, typesys = (optional(f"rosbags.{part}", "rosbags", "a rosbag") for part in ("highlevel", "typesys"))
     store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)  # for recordings that hold no definitions
     try:
         with highlevel.AnyReader([path if path.is_dir() else path.parent], default_typestore=store) as reader:
@@ -32,7 +31,7 @@ def rosbag_signals(path: Path) -> dict[str, Signal]:
 
 def mcap_signals(path: Path) -> dict[str, Signal]:
     """Joint states of an MCAP file of ROS 2. Raises InputError."""
-    mcap, ros2 = library("mcap.reader", "mcap"), library("mcap_ros2.decoder", "mcap")
+    mcap, ros2 = (optional(part, "mcap-ros2-support", "an MCAP file") for part in ("mcap.reader", "mcap_ros2.decoder"))
     from mcap.exceptions import McapError
 
     try:

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.errors import InputError
-from gravcomp.logs.importers.library import library
+from gravcomp.errors import InputError, optional
 from gravcomp.logs.importers.signals import Signal
 
 DIMENSIONS = ("joint", "pose", "repeat")
@@ -52,7 +51,7 @@ def _flat(table: dict, prefix: str = ""):
 
 
 def _of_version_7_3(path: Path):
-    h5py = library("h5py", "mat")
+    h5py = optional("h5py", "h5py", "a MATLAB file of version 7.3")
     found = []
     with h5py.File(path) as file:
         file.visititems(lambda name, item: found.append((name.replace("/", "."), item[()].T))

@@ -4,14 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.errors import InputError
-from gravcomp.logs.importers.library import library
+from gravcomp.errors import InputError, optional
 from gravcomp.logs.importers.signals import Signal
 
 
 def mdf_signals(path: Path) -> dict[str, Signal]:
     """Channels of the file that are numbers. Raises InputError."""
-    asammdf = library("asammdf", "mdf")
+    asammdf = optional("asammdf", "asammdf", "an MDF file")
     try:
         file = asammdf.MDF(path)
     except (OSError, ValueError, asammdf.blocks.utils.MdfException) as error:

@@ -4,14 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.errors import InputError
-from gravcomp.logs.importers.library import library
+from gravcomp.errors import InputError, optional
 from gravcomp.logs.importers.signals import Signal
 
 
 def parquet_signals(path: Path) -> dict[str, Signal]:
     """Columns of the file that are numbers; empty cells are NaN. Raises InputError."""
-    arrow, parquet = library("pyarrow", "parquet"), library("pyarrow.parquet", "parquet")
+    arrow, parquet = (optional(part, "pyarrow", "a Parquet file") for part in ("pyarrow", "pyarrow.parquet"))
     try:
         table = parquet.read_table(path)
     except (OSError, arrow.ArrowException) as error:

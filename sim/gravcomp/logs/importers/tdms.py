@@ -4,14 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.errors import InputError
-from gravcomp.logs.importers.library import library
+from gravcomp.errors import InputError, optional
 from gravcomp.logs.importers.signals import Signal
 
 
 def tdms_signals(path: Path) -> dict[str, Signal]:
     """Channels of the file. Raises InputError."""
-    nptdms = library("nptdms", "tdms")
+    nptdms = optional("nptdms", "nptdms", "a TDMS file")
     try:
         file = nptdms.TdmsFile.read(path)
     except (OSError, ValueError, KeyError) as error:
