@@ -1,20 +1,35 @@
 """Write a project folder: a machine, the RTL with its ROM, the C driver, a Makefile, scripts for the vendors' tools.
 
 FOLDER must be absent or empty. --robot takes a machine folder, or the name of a machine that is built in: spheiro,
-which has a network, or a robot to begin from: slide, arm2, fivebar, ur5, so101.
+which has a network, or a robot to begin from: slide, arm2, fivebar, ur5, so101. --from takes a URDF or MJCF: axes,
+ranges and units are read from it, and robot.toml asks by name for what it does not tell.
 """
 
 from pathlib import Path
 
+from gravcomp.errors import InputError
+
 
 def add_arguments(parser):
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="project folder to write")
-    parser.add_argument("--robot", required=True, metavar="MACHINE", help="machine folder, or a name")
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument("--robot", metavar="MACHINE", help="machine folder, or a name")
+    source.add_argument("--from", dest="file", type=Path, metavar="ROBOT", help="URDF or MJCF")
+    parser.add_argument(
+        "--axes", default="", metavar="JOINTS", help="with --from: joints with a motor, by comma, in the core's order"
+    )
 
 
 def run(arguments):
-    from gravcomp.project.project import MACHINE, machine_named, write_project
+    from gravcomp.project.project import MACHINE, machine_named, write_drafted_project, write_project
 
+    if arguments.file:
+        asked = write_drafted_project(arguments.folder, arguments.file, [n for n in arguments.axes.split(",") if n])
+        print(f"{arguments.folder}: written; {MACHINE} in it is {arguments.file}")
+        print(f"  next: cd {arguments.folder}, give {', '.join(asked)} in {MACHINE}/robot.toml, make train test")
+        return
+    if arguments.axes:
+        raise InputError("--axes goes with --from; a machine folder has its axes in robot.toml")
     machine = machine_named(arguments.robot)
     cost = write_project(arguments.folder, machine)
     print(f"{arguments.folder}: written; {MACHINE} in it is {machine}")

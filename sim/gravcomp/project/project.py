@@ -1,8 +1,11 @@
 """Writes a project folder. Paths in it are those of the repository, so that scripts and pages hold for both."""
 
+import re
 import shlex
 import shutil
 import sys
+import tomllib
+from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 
@@ -13,7 +16,9 @@ from gravcomp.driver.host import AXES
 from gravcomp.errors import InputError
 from gravcomp.files import new_folder, write_all_atomically
 from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV
-from gravcomp.robot.machine import ROBOT_TOML, Machine, load_machine
+from gravcomp.robot.machine import ROBOT_TOML, load_machine
+from gravcomp.robot.mechanism.draft import draft_toml
+from gravcomp.robot.mechanism.source import sources
 from gravcomp.shipped import SHIPPED, shipped
 from gravcomp.twin.precision import Precision
 
@@ -45,14 +50,32 @@ def write_project(folder: Path, source: Path) -> Precision | None:
     if is_trained:
         rom_files(source)  # refuses by the names that the user knows
     with new_folder(folder) as draft:
-        for name in SHIPPED:
-            _copy(shipped(name), draft / name)
-        for name in _OWN:
-            (draft / name).write_text(_own(name, machine), encoding="utf-8")
+        _write_tools(draft, machine.n_axes)
         write_all_atomically(machine.contents(draft / MACHINE / ROBOT_TOML))
         for name in filter(lambda name: (source / name).exists(), _TRAINED):
             shutil.copyfile(source / name, draft / MACHINE / name)
         return write_rom(draft / MACHINE, draft / _GENERATED) if is_trained else None
+
+
+def write_drafted_project(folder: Path, file: Path, axes: Sequence[str]) -> list[str]:
+    """Write a project folder for the robot of a URDF or MJCF; returns the keys of robot.toml that are to be filled in.
+
+    axes: joints with a motor, where not all that can be. Raises InputError as write_project and draft_toml do.
+    """
+    text, files = draft_toml(file, axes), sources(file)
+    with new_folder(folder) as draft:
+        _write_tools(draft, len(tomllib.loads(text)["axis"]))
+        machine = draft / MACHINE
+        write_all_atomically({machine / ROBOT_TOML: text, **{machine / name: data for name, data in files.items()}})
+    return list(dict.fromkeys(re.findall(r"^#\? (\w+)", text, re.M)))
+
+
+def _write_tools(draft: Path, n_axes: int) -> None:
+    """All of a project but the machine and its ROM."""
+    for name in SHIPPED:
+        _copy(shipped(name), draft / name)
+    for name in _OWN:
+        (draft / name).write_text(_own(name, n_axes), encoding="utf-8")
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -63,8 +86,8 @@ def _copy(source: Path, target: Path) -> None:
         shutil.copyfile(source, target)
 
 
-def _own(name: str, machine: Machine) -> str:
+def _own(name: str, n_axes: int) -> str:
     """A file that is no copy; the Makefile knows where gravcomp is when no PATH leads to it, and the largest top."""
     text = files(__package__).joinpath(name).read_text(encoding="utf-8")
-    top = "gc_system" if machine.n_axes == AXES else "gc_force_path"
+    top = "gc_system" if n_axes == AXES else "gc_force_path"
     return text.replace("@PYTHON@", shlex.quote(sys.executable).replace("$", "$$")).replace("@TOP@", top)

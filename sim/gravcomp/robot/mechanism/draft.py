@@ -1,7 +1,6 @@
 """robot.toml from a URDF or MJCF: axes, ranges and units as the file has them, and by name what it does not tell."""
 
 import json
-import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -54,13 +53,12 @@ def draft_toml(path: Path, axes: Sequence[str] = ()) -> str:
 
 def _axis_toml(joint: str, limits: Limits) -> str:
     lines = ["[[axis]]", f"joint = {json.dumps(joint)}"]
-    turns = limits.unit == "rad" and (limits.range is None or limits.range.high - limits.range.low >= 2 * math.pi)
     if limits.range:
         lines += [f"low = {limits.range.low!r}", f"high = {limits.range.high!r}"]
-    elif not turns:
+    elif limits.unit == "rad":
+        lines.append('input = "sin_cos"               # it turns without limit')
+    else:
         lines += ["#? low =                        # m: the file has no limits", "#? high ="]
-    if turns:
-        lines.append('input = "sin_cos"')
     lines.append(f"#? {_COUNTS[limits.unit]}")
     lines.append(f"#? effort_per_ampere =          # {EFFORT_UNITS[limits.unit]}/A, gear included")
     lines.append("index_period = 0                # counts between index marks; 0: one mark")
@@ -85,7 +83,7 @@ def _with_motor(tree: Tree, path: Path) -> list[int]:
         return _few_enough(tree, [k for k in movable if k in driven], path)
     loose = [k for k in movable if not _is_follower(tree, k)]
     if not loose:
-        raise InputError(f"{path}: no joint is left to be an axis; name those with a motor by --axes")
+        raise InputError(f"{path}: no joint moves on its own; give a robot with 1 to {MAX_AXES} axes")
     loops = driven_loops(tree, m.jnt_dofadr[loose], str(path))
     if any(len(set(tree.dof_joint[loop.dofs])) > 2 for loop in loops):
         names = ", ".join(tree.joints[k] for k in movable)
@@ -114,11 +112,7 @@ def _movable(tree: Tree) -> list[int]:
 
 
 def _few_enough(tree: Tree, joints: list[int], path: Path) -> list[int]:
-    if not joints:
-        raise InputError(f"{path}: no joint moves; give a robot with 1 to {MAX_AXES} axes")
     if len(joints) > MAX_AXES:
         names = ", ".join(tree.joints[k] for k in joints)
-        raise InputError(
-            f"{path}: {len(joints)} joints, but a core has 1 to {MAX_AXES} axes; choose by --axes of {names}"
-        )
+        raise InputError(f"{path}: {len(joints)} joints move, a core has 1 to {MAX_AXES} axes; give --axes of {names}")
     return joints
