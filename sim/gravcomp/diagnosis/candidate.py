@@ -11,6 +11,8 @@ import numpy as np
 
 from gravcomp.logs.measurement import Measurement
 
+_STEP = 1.5e-8  # of a parameter, in difference quotients: root of the rounding
+
 
 class Variable(str):
     """A measured variable by the name that the report uses: q1, v1, dir1, f1 (model), a1, t, temp."""
@@ -111,6 +113,23 @@ class Candidate:
         columns = self.columns(data, parameters)
         return sum((parameters[name] * column for name, column in columns.items() if name in parameters),
                    np.zeros(data.shape))  # fmt: skip
+
+    @property
+    def is_linear(self) -> bool:
+        """Is the force exactly the sum of parameters times columns, which depend on none of them?"""
+        return type(self).predict is Candidate.predict and not self.scales
+
+    def jacobian(self, data: Measurement, parameters: Mapping[str, float]) -> dict[str, np.ndarray]:
+        """Derivative (n, k) of the force by each parameter: columns where it is their sum, else differences."""
+        is_sum = type(self).predict is Candidate.predict
+        exact = self.columns(data, parameters) if is_sum else {}
+        out = {name: exact[name] for name in parameters if name in exact}
+        others = [name for name in parameters if name not in out]
+        here = self.predict(data, parameters) if others else None
+        for name in others:
+            step = _STEP * max(abs(parameters[name]), 1e-9)
+            out[name] = (self.predict(data, {**parameters, name: parameters[name] + step}) - here) / step
+        return out
 
     def groups(self, labels: tuple[Parameter, ...]) -> list[set[Parameter]]:
         """Labels that stay or go together when an axis has no part in it; none: all stay."""

@@ -129,28 +129,67 @@ def _solve(data, y, rows, effects, fixed, start, weight, known) -> _Solution:
     weighted = (basis * weight[..., None]).reshape(y.size, -1)
     q = np.linalg.svd(weighted, full_matrices=False)[0][:, : np.linalg.matrix_rank(weighted)] if fixed else weighted
 
-    def own(x, k):
-        return {name: float(x[j]) for j, (m, name) in enumerate(names) if m == k}
+    force = _Physics(data, rows, effects, names)
 
-    def physical(x):
-        force = sum((term.candidate.predict(data, own(x, k)) for k, term in enumerate(effects)), np.zeros(data.shape))
-        return force[rows]
+    def projected(e):
+        """Weighted errors (m k, ...) less what corrections can take."""
+        return e - q @ (q.T @ e)
 
     def error(scaled):
-        e = ((y - physical(mix @ (scaled * size))) * weight).ravel()
-        return e - q @ (q.T @ e)
+        return projected(((y - force(mix @ (scaled * size))) * weight).ravel())
+
+    def slope(scaled):
+        own = force.jacobian(mix @ (scaled * size)) * weight[..., None]
+        return -projected(own.reshape(y.size, -1)) @ mix * size
 
     x, jacobian = x0, np.zeros((y.size, 0))
     if names:
         first = np.clip(np.linalg.solve(mix, x0), low, high) / size
         bounds = (low / size, high / size)
-        found = least_squares(error, first, bounds=bounds, x_scale="jac", max_nfev=12)
+        found = least_squares(error, first, jac=slope, bounds=bounds, x_scale="jac", max_nfev=12)
         x, jacobian = mix @ (found.x * size), found.jac / size @ np.linalg.inv(mix)
-    left = y - (physical(x) if names else 0.0)
+    left = y - force(x)
     theta = np.linalg.lstsq(weighted, (left * weight).ravel(), rcond=1e-9)[0] if fixed else np.zeros(0)
     ends = np.cumsum([columns.shape[-1] for columns in fixed])[:-1] if fixed else []
-    values = [own(x, k) for k in range(len(effects))]
+    values = [force.parameters(x, k) for k in range(len(effects))]
     return _Solution(values, np.split(theta, ends), names, x, jacobian, left - basis @ theta)
+
+
+class _Physics:
+    """Force (m, k) of the effects on some rows, and its derivatives: columns of linear effects are computed once."""
+
+    def __init__(self, data, rows, effects: list[Term], names: list[tuple[int, Parameter]]):
+        self._data, self._rows, self._effects, self._names = data, rows, effects, names
+        self._own = [[j for j, (m, _) in enumerate(names) if m == k] for k in range(len(effects))]
+        self._fixed = [self._columns(k) if term.candidate.is_linear else None for k, term in enumerate(effects)]
+
+    def parameters(self, x: np.ndarray, k: int) -> dict[Parameter, float]:
+        return {self._names[j][1]: float(x[j]) for j in self._own[k]}
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        total = np.zeros((len(self._rows), self._data.n_axes))
+        for k, term in enumerate(self._effects):
+            if self._fixed[k] is not None:
+                total += self._fixed[k] @ x[self._own[k]]
+            else:
+                total += term.candidate.predict(self._data, self.parameters(x, k))[self._rows]
+        return total
+
+    def jacobian(self, x: np.ndarray) -> np.ndarray:
+        """(m, k, parameters)."""
+        out = np.empty((len(self._rows), self._data.n_axes, len(self._names)))
+        for k, term in enumerate(self._effects):
+            if self._fixed[k] is not None:
+                out[..., self._own[k]] = self._fixed[k]
+            else:
+                by_name = term.candidate.jacobian(self._data, self.parameters(x, k))
+                for j in self._own[k]:
+                    out[..., j] = by_name[self._names[j][1]][self._rows]
+        return out
+
+    def _columns(self, k: int) -> np.ndarray:
+        columns = self._effects[k].candidate.columns(self._data, self._effects[k].shape)
+        return np.stack([columns[self._names[j][1]][self._rows] for j in self._own[k]], axis=-1)
 
 
 def _bounds(effects, names, x0, known) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

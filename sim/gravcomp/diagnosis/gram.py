@@ -11,7 +11,8 @@ from gravcomp.diagnosis.thresholds import SINGULAR, TINY
 class Gram:
     """regressors; residual, weight (m, k); variance (k,) of the noise; independent (k,) number of independent samples.
 
-    ``place`` holds, per regressor, the indices of its columns; an index array stands for a set of columns below.
+    ``place`` holds, per regressor, the indices of its columns; an index array stands for a set of columns below. A
+    correction has columns on one axis only, so an axis keeps the matrix of its own columns.
     """
 
     def __init__(self, regressors: list[Regressor], residual, weight, variance, independent):
@@ -19,37 +20,37 @@ class Gram:
         sizes = [len(regressor.term.labels) for regressor in regressors]
         starts = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
         self.place = [np.arange(a, b) for a, b in pairwise(starts)]
-        n_columns, n_axes = starts[-1], residual.shape[1]
-        self.gram = np.zeros((n_axes, n_columns, n_columns))
-        self.cross = np.zeros((n_axes, n_columns))
+        self.n_columns, n_axes = int(starts[-1]), residual.shape[1]
+        self.cross = np.zeros((n_axes, self.n_columns))
         self.energy = np.zeros(n_axes)
-        scale = np.zeros(n_columns)
+        self._own, self._gram, self._blocks = [], [], {}
+        self._local = np.full((n_axes, self.n_columns), -1)  # place of a column in the matrix of an axis
+        scale = np.zeros(self.n_columns)
         for i in range(n_axes):
             here = [k for k, regressor in enumerate(regressors) if regressor.by_axis[i] is not None]
             w = weight[:, i] * (independent[i] / max(weight[:, i].sum(), TINY))
             self.energy[i] = w @ residual[:, i] ** 2
-            if not here:
-                continue
-            index = np.concatenate([self.place[k] for k in here])
-            x = np.hstack([regressors[k].by_axis[i] for k in here])
+            index = np.concatenate([np.zeros(0, int), *(self.place[k] for k in here)])
+            x = np.hstack([np.zeros((len(residual), 0)), *(regressors[k].by_axis[i] for k in here)])
             xw = x * w[:, None]
-            self.gram[i][np.ix_(index, index)] = xw.T @ x
-            self.cross[i][index] = xw.T @ residual[:, i]
-            scale[index] += np.einsum("nk,nk->k", xw, x) / variance[i]
-        self.scale = np.zeros(n_columns)
+            self._own.append(index)
+            self._gram.append(xw.T @ x)
+            self._local[i, index] = np.arange(len(index))
+            self.cross[i, index] = xw.T @ residual[:, i]
+            scale[index] += np.diag(self._gram[i]) / variance[i]
+        self.scale = np.zeros(self.n_columns)
         np.divide(1.0, np.sqrt(scale), out=self.scale, where=scale > 0.0)
-        self.normed_gram = np.einsum("iab,i->ab", self.gram, 1.0 / variance) * self.scale[:, None] * self.scale
         self.normed_cross = np.einsum("ia,i->a", self.cross, 1.0 / variance) * self.scale
 
     def solve(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
         """Coefficients of the columns, their covariance and the rank."""
         s = self.scale[index]
-        inverse, rank = pseudo_inverse(self.normed_gram[np.ix_(index, index)])
+        inverse, rank = pseudo_inverse(self._normed(index))
         return inverse @ self.normed_cross[index] * s, inverse * s[:, None] * s, rank
 
     def fitted(self, index: np.ndarray, theta: np.ndarray) -> np.ndarray:
         """Energy of these columns with coefficients theta, per axis."""
-        return np.einsum("iab,a,b->i", self.gram[:, index[:, None], index], theta, theta)
+        return np.array([theta[at] @ gram @ theta[at] for at, gram in self._by_axis(index)])
 
     def left(self, index: np.ndarray) -> np.ndarray:
         """Residual sum of squares per axis once these columns are fitted."""
@@ -62,15 +63,50 @@ class Gram:
         """What each candidate would take off the normed residual beside the columns inside, and by how many
         coefficients: Schur complements, one inverse for all of them.
         """
-        inverse, _ = pseudo_inverse(self.normed_gram[np.ix_(inside, inside)])
-        away = inverse @ self.normed_gram[inside]
+        inverse, _ = pseudo_inverse(self._normed(inside))
+        rows = self._normed_rows(inside)
+        away = inverse @ rows
         left = self.normed_cross - away.T @ self.normed_cross[inside]
-        out = []
-        for own in candidates:
-            schur = self.normed_gram[np.ix_(own, own)] - self.normed_gram[np.ix_(own, inside)] @ away[:, own]
-            inverse, rank = pseudo_inverse(schur)
-            out.append((float(left[own] @ inverse @ left[own]), rank))
+        out = [(0.0, 0)] * len(candidates)
+        for size in {len(own) for own in candidates}:
+            which = [a for a, own in enumerate(candidates) if len(own) == size]
+            columns = np.array([candidates[a] for a in which])
+            schur = np.array([self._block(own) for own in columns])
+            schur -= rows[:, columns].transpose(1, 2, 0) @ away[:, columns].transpose(1, 0, 2)
+            values, vectors = np.linalg.eigh(schur)
+            keep = values > SINGULAR * np.maximum(values[:, -1:], 1.0)
+            along = np.einsum("npa,np->na", vectors, left[columns])
+            gain = np.sum(np.where(keep, along**2 / np.where(keep, values, 1.0), 0.0), axis=1)
+            for a, own_gain, rank in zip(which, gain, keep.sum(axis=1), strict=True):
+                out[a] = float(own_gain), int(rank)
         return out
+
+    def _by_axis(self, index: np.ndarray):
+        """Per axis: which of the columns have a part there, and their matrix."""
+        for local, gram in zip(self._local[:, index], self._gram, strict=True):
+            at = np.flatnonzero(local >= 0)
+            yield at, gram[np.ix_(local[at], local[at])]
+
+    def _normed(self, index: np.ndarray) -> np.ndarray:
+        """Matrix of these columns over all axes, each axis in units of its noise and each column of size one."""
+        out = np.zeros((len(index), len(index)))
+        for (at, gram), variance in zip(self._by_axis(index), self.variance, strict=True):
+            out[np.ix_(at, at)] += gram / variance
+        return out * self.scale[index][:, None] * self.scale[index]
+
+    def _normed_rows(self, index: np.ndarray) -> np.ndarray:
+        """Rows of that matrix of all columns."""
+        out = np.zeros((len(index), self.n_columns))
+        for local, own, gram, variance in zip(self._local[:, index], self._own, self._gram, self.variance, strict=True):
+            at = np.flatnonzero(local >= 0)
+            out[np.ix_(at, own)] += gram[local[at]] / variance
+        return out * self.scale[index][:, None] * self.scale
+
+    def _block(self, index: np.ndarray) -> np.ndarray:
+        key = index.tobytes()
+        if key not in self._blocks:
+            self._blocks[key] = self._normed(index)
+        return self._blocks[key]
 
 
 def pseudo_inverse(gram: np.ndarray) -> tuple[np.ndarray, int]:

@@ -16,6 +16,7 @@ class CoulombFriction(Effect):
     units = {"fc": "[f]", "fc_pos": "[f]", "fc_neg": "[f]"}  # noqa: RUF012
     positive = ("fc",)
     is_simple = True
+    is_linear = True
 
     unavailable = staticmethod(needs_velocity)
 

@@ -17,6 +17,7 @@ class ViscousFriction(Effect):
     positive = ("b",)
     complexity = 1.0
     is_simple = True
+    is_linear = True
 
     unavailable = staticmethod(needs_velocity)
 
