@@ -341,6 +341,20 @@ def test_regressors_are_the_effect_to_first_order(case):
 
 
 @every_case
+def test_derivatives_are_those_of_the_prediction(case):
+    """What the fit steps along; ``is_linear`` promises that they depend on no parameter."""
+    effect, data = effect_of(case), case.few()
+    given = effect.jacobian(data, case.params)
+    assert set(given) == set(case.params)
+    for name, value in case.params.items():
+        step = 1e-4 * abs(value)
+        ends = [effect.predict(data, {**case.params, name: value + sign * step}) for sign in (1.0, -1.0)]
+        wanted = (ends[0] - ends[1]) / (2.0 * step)
+        np.testing.assert_allclose(given[name], wanted, atol=2e-3 * np.abs(wanted).max() + 1e-9, rtol=0)
+    assert not effect.is_linear or case.linear
+
+
+@every_case
 def test_fit_recovers_the_parameters_within_its_own_intervals(case):
     effect, data = effect_of(case), case.many()
     force = case.force(data, case.params)

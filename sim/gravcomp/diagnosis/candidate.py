@@ -104,6 +104,12 @@ class Candidate:
         """Regressors (n, k) by parameter; the force is their linear combination (to first order)."""
         raise NotImplementedError
 
+    def regressors_by_axis(self, data: Measurement, rows: np.ndarray, shape: Mapping):
+        """Labels of the columns, and per axis the columns (m, p) on some rows; None where an axis has no part."""
+        columns = self.columns(data, shape)
+        stacked = np.stack([column[rows] for column in columns.values()], axis=-1)
+        return tuple(columns), tuple(own if own.any() else None for own in stacked.transpose(1, 0, 2))
+
     def parameters(self, shape: Mapping, coefficients: Mapping[Parameter, float]) -> dict[Parameter, float]:
         """Parameters from the shape and the coefficients of the regressors."""
         return {**coefficients, **shape}
@@ -176,10 +182,8 @@ class Regressor:
 
     @classmethod
     def of(cls, candidate: Candidate, data: Measurement, rows: np.ndarray, shape: Mapping = {}) -> "Regressor":
-        columns = candidate.columns(data, shape)
-        stacked = np.stack([column[rows] for column in columns.values()], axis=-1)
-        by_axis = tuple(stacked[:, i] if np.any(stacked[:, i]) else None for i in range(data.n_axes))
-        return cls(Term(candidate, tuple(columns), shape), by_axis)
+        labels, by_axis = candidate.regressors_by_axis(data, rows, shape)
+        return cls(Term(candidate, labels, shape), by_axis)
 
     @property
     def has_part(self) -> bool:

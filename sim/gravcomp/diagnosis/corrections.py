@@ -45,9 +45,14 @@ class Correction(Candidate):
         """How many coefficients this shape has; 0 where no number of them would do."""
         raise NotImplementedError
 
-    def regressors(self, data: Measurement) -> np.ndarray:
-        """Columns (n, p) on its axis."""
+    def regressors(self, data: Measurement, rows=slice(None)) -> np.ndarray:
+        """Columns (m, p) on its axis."""
         raise NotImplementedError
+
+    def regressors_by_axis(self, data, rows, shape):
+        own = self.regressors(data, rows)
+        labels = tuple(Parameter(f"value_{k}") for k in range(own.shape[1]))
+        return labels, tuple(own if i == self.axis and own.any() else None for i in range(data.n_axes))
 
     def wrong_with(self, n_values: int) -> str:
         """What is wrong with one read from a file, of so many values; empty where nothing is."""
@@ -79,10 +84,10 @@ class Table(Correction):
     def n_values(self):
         return len(self.shape) if len(self.shape) > 1 and (np.diff(self.shape) > 0).all() else 0
 
-    def regressors(self, data):
-        x = self.variables[0].of(data)
+    def regressors(self, data, rows=slice(None)):
+        x = self.variables[0].of(data)[rows]
         hats = np.column_stack([np.interp(x, self.shape, hat) for hat in np.eye(len(self.shape))])
-        return hats * data.direction[:, [self.axis]] if self.by_direction else hats
+        return hats * data.direction[rows][:, [self.axis]] if self.by_direction else hats
 
 
 class Line(Correction):
@@ -93,8 +98,8 @@ class Line(Correction):
     def n_values(self):
         return 1 if not self.shape else 0
 
-    def regressors(self, data):
-        return self.variables[0].of(data)[:, None]
+    def regressors(self, data, rows=slice(None)):
+        return self.variables[0].of(data)[rows][:, None]
 
 
 class Product(Correction):
@@ -107,8 +112,8 @@ class Product(Correction):
     def n_values(self):
         return 1 if not self.shape else 0
 
-    def regressors(self, data):
-        return (self.variables[0].of(data) * self.variables[1].of(data))[:, None]
+    def regressors(self, data, rows=slice(None)):
+        return (self.variables[0].of(data)[rows] * self.variables[1].of(data)[rows])[:, None]
 
 
 class Wave(Correction):
@@ -121,8 +126,8 @@ class Wave(Correction):
     def n_values(self):
         return 2 if len(self.shape) == 1 and self.shape[0] > 0 else 0
 
-    def regressors(self, data):
-        angle = 2.0 * np.pi * self.shape[0] * (data.t_s - data.t_s[0])
+    def regressors(self, data, rows=slice(None)):
+        angle = 2.0 * np.pi * self.shape[0] * (data.t_s[rows] - data.t_s[0])
         return np.column_stack([np.sin(angle), np.cos(angle)])
 
 
@@ -134,8 +139,9 @@ class Step(Correction):
     def n_values(self):
         return 2 if len(self.shape) == 1 else 0
 
-    def regressors(self, data):
-        return np.column_stack([data.t_s > self.shape[0], np.ones(len(data.t_s))]).astype(float)
+    def regressors(self, data, rows=slice(None)):
+        late = data.t_s[rows] > self.shape[0]
+        return np.column_stack([late, np.ones(len(late))]).astype(float)
 
 
 class Surface(Correction):
@@ -150,9 +156,9 @@ class Surface(Correction):
         is_whole = n == len(self.variables) and 2 * n == len(self.shape) and all(half > 0 for half in self.shape[n:])
         return comb(n + _SURFACE_DEGREE, _SURFACE_DEGREE) if is_whole else 0
 
-    def regressors(self, data):
+    def regressors(self, data, rows=slice(None)):
         centre, half = np.asarray(self.shape).reshape(2, -1)
-        return PolynomialFeatures(_SURFACE_DEGREE).fit_transform((data.q - centre) / half)
+        return PolynomialFeatures(_SURFACE_DEGREE).fit_transform((data.q[rows] - centre) / half)
 
 
 KINDS = {kind.kind: kind for kind in (Table, Line, Product, Wave, Step, Surface)}

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, Term
-from gravcomp.diagnosis.gram import Gram
+from gravcomp.diagnosis.gram import Gram, Subset
 from gravcomp.diagnosis.thresholds import CANCELLATION, IMPOSSIBLE, NEGATIVE_Z, TINY
 
 Members = frozenset  # of numbers of terms
@@ -38,7 +38,8 @@ class Criterion:
 
     def left(self, members: Members) -> float:
         """Residual sum of squares over the axes."""
-        return float(self.gram.left(self.index(members)).sum())
+        columns = self.gram.of(self.index(members))
+        return float(columns.left(columns.solve()[0]).sum())
 
     def effects_of(self, members: Members) -> Members:
         return frozenset(k for k in members if self._whole[k] in self.effects)
@@ -58,7 +59,7 @@ class Criterion:
         """By member: the number of the term that it is (a part of), and coefficients of all columns of that one."""
         index = self.index(members)
         theta = np.zeros(self.gram.cross.shape[1])
-        theta[index] = self.gram.solve(index)[0] if len(index) else 0.0
+        theta[index] = self.gram.of(index).solve()[0]
         out = {}
         for k in members:
             own = np.zeros_like(theta)
@@ -70,26 +71,21 @@ class Criterion:
         gram, rss, rank = self.gram, self.gram.energy, 0
         if members:
             index = self.index(members)
-            theta, covariance, rank = gram.solve(index)
-            if self._is_refused(members, index, theta, covariance):
+            columns = gram.of(index)
+            theta, covariance, rank = columns.solve()
+            if self._is_refused(members, index, theta, covariance) or self._cancels(members, columns, theta):
                 return IMPOSSIBLE
-            fitted = gram.fitted(index, theta)
-            if self._cancels(members, index, theta, fitted.sum()):
-                return IMPOSSIBLE
-            rss = np.maximum(gram.energy - 2.0 * gram.cross[:, index] @ theta + fitted, 0.0)
+            rss = np.maximum(columns.left(theta), 0.0)
         m = gram.independent
         likelihood = np.sum(m * np.log(np.maximum(rss / m, self._floor)))
         return float(likelihood + rank * np.log(m.sum()) + sum(self.terms[k].candidate.price for k in members))
 
-    def _cancels(self, members: Members, index, theta, total: float) -> bool:
+    def _cancels(self, members: Members, columns: Subset, theta: np.ndarray) -> bool:
         """Terms that are large only to cancel one another imitate something else."""
         if len(members) < 2:
             return False
-        value = dict(zip(index, theta, strict=True))
-        single = 0.0
-        for k in members:
-            own = np.array([value[c] for c in self.place[k]])
-            single += self.gram.fitted(self.place[k], own).sum()
+        sizes = [len(self.place[k]) for k in sorted(members)]
+        total, single = columns.energies(theta, np.cumsum([0, *sizes[:-1]]))
         return single > CANCELLATION * total
 
     def _is_refused(self, members: Members, index, theta, covariance) -> bool:

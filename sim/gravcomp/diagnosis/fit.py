@@ -161,7 +161,7 @@ class _Physics:
     def __init__(self, data, rows, effects: list[Term], names: list[tuple[int, Parameter]]):
         self._data, self._rows, self._effects, self._names = data, rows, effects, names
         self._own = [[j for j, (m, _) in enumerate(names) if m == k] for k in range(len(effects))]
-        self._fixed = [self._columns(k) if term.candidate.is_linear else None for k, term in enumerate(effects)]
+        self._fixed = [self._columns(k) for k in range(len(effects))]
 
     def parameters(self, x: np.ndarray, k: int) -> dict[Parameter, float]:
         return {self._names[j][1]: float(x[j]) for j in self._own[k]}
@@ -187,9 +187,15 @@ class _Physics:
                     out[..., j] = by_name[self._names[j][1]][self._rows]
         return out
 
-    def _columns(self, k: int) -> np.ndarray:
-        columns = self._effects[k].candidate.columns(self._data, self._effects[k].shape)
-        return np.stack([columns[self._names[j][1]][self._rows] for j in self._own[k]], axis=-1)
+    def _columns(self, k: int) -> np.ndarray | None:
+        """(m, k, parameters) of a linear effect, None of another."""
+        term, names = self._effects[k], [self._names[j][1] for j in self._own[k]]
+        if not term.candidate.is_linear:
+            return None
+        columns = term.candidate.columns(self._data, term.shape)
+        if not all(name in columns for name in names):
+            return None
+        return np.stack([columns[name][self._rows] for name in names], axis=-1)
 
 
 def _bounds(effects, names, x0, known) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

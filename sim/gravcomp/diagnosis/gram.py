@@ -23,8 +23,8 @@ class Gram:
         self.n_columns, n_axes = int(starts[-1]), residual.shape[1]
         self.cross = np.zeros((n_axes, self.n_columns))
         self.energy = np.zeros(n_axes)
-        self._own, self._gram, self._blocks = [], [], {}
-        self._local = np.full((n_axes, self.n_columns), -1)  # place of a column in the matrix of an axis
+        self._own, self.matrices, self._blocks = [], [], {}
+        self.local = np.full((n_axes, self.n_columns), -1)  # place of a column in the matrix of an axis
         scale = np.zeros(self.n_columns)
         for i in range(n_axes):
             here = [k for k, regressor in enumerate(regressors) if regressor.by_axis[i] is not None]
@@ -34,36 +34,22 @@ class Gram:
             x = np.hstack([np.zeros((len(residual), 0)), *(regressors[k].by_axis[i] for k in here)])
             xw = x * w[:, None]
             self._own.append(index)
-            self._gram.append(xw.T @ x)
-            self._local[i, index] = np.arange(len(index))
+            self.matrices.append(xw.T @ x)
+            self.local[i, index] = np.arange(len(index))
             self.cross[i, index] = xw.T @ residual[:, i]
-            scale[index] += np.diag(self._gram[i]) / variance[i]
+            scale[index] += np.diag(self.matrices[i]) / variance[i]
         self.scale = np.zeros(self.n_columns)
         np.divide(1.0, np.sqrt(scale), out=self.scale, where=scale > 0.0)
         self.normed_cross = np.einsum("ia,i->a", self.cross, 1.0 / variance) * self.scale
 
-    def solve(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-        """Coefficients of the columns, their covariance and the rank."""
-        s = self.scale[index]
-        inverse, rank = pseudo_inverse(self._normed(index))
-        return inverse @ self.normed_cross[index] * s, inverse * s[:, None] * s, rank
-
-    def fitted(self, index: np.ndarray, theta: np.ndarray) -> np.ndarray:
-        """Energy of these columns with coefficients theta, per axis."""
-        return np.array([theta[at] @ gram @ theta[at] for at, gram in self._by_axis(index)])
-
-    def left(self, index: np.ndarray) -> np.ndarray:
-        """Residual sum of squares per axis once these columns are fitted."""
-        if not len(index):
-            return self.energy
-        theta, _, _ = self.solve(index)
-        return self.energy - 2.0 * self.cross[:, index] @ theta + self.fitted(index, theta)
+    def of(self, index: np.ndarray) -> "Subset":
+        return Subset(self, index)
 
     def gains(self, inside: np.ndarray, candidates: list[np.ndarray]) -> list[tuple[float, int]]:
         """What each candidate would take off the normed residual beside the columns inside, and by how many
         coefficients: Schur complements, one inverse for all of them.
         """
-        inverse, _ = pseudo_inverse(self._normed(inside))
+        inverse, _ = pseudo_inverse(self.of(inside).normed())
         rows = self._normed_rows(inside)
         away = inverse @ rows
         left = self.normed_cross - away.T @ self.normed_cross[inside]
@@ -81,23 +67,12 @@ class Gram:
                 out[a] = float(own_gain), int(rank)
         return out
 
-    def _by_axis(self, index: np.ndarray):
-        """Per axis: which of the columns have a part there, and their matrix."""
-        for local, gram in zip(self._local[:, index], self._gram, strict=True):
-            at = np.flatnonzero(local >= 0)
-            yield at, gram[np.ix_(local[at], local[at])]
-
-    def _normed(self, index: np.ndarray) -> np.ndarray:
-        """Matrix of these columns over all axes, each axis in units of its noise and each column of size one."""
-        out = np.zeros((len(index), len(index)))
-        for (at, gram), variance in zip(self._by_axis(index), self.variance, strict=True):
-            out[np.ix_(at, at)] += gram / variance
-        return out * self.scale[index][:, None] * self.scale[index]
-
     def _normed_rows(self, index: np.ndarray) -> np.ndarray:
         """Rows of that matrix of all columns."""
         out = np.zeros((len(index), self.n_columns))
-        for local, own, gram, variance in zip(self._local[:, index], self._own, self._gram, self.variance, strict=True):
+        for local, own, gram, variance in zip(
+            self.local[:, index], self._own, self.matrices, self.variance, strict=True
+        ):
             at = np.flatnonzero(local >= 0)
             out[np.ix_(at, own)] += gram[local[at]] / variance
         return out * self.scale[index][:, None] * self.scale
@@ -105,8 +80,47 @@ class Gram:
     def _block(self, index: np.ndarray) -> np.ndarray:
         key = index.tobytes()
         if key not in self._blocks:
-            self._blocks[key] = self._normed(index)
+            self._blocks[key] = self.of(index).normed()
         return self._blocks[key]
+
+
+class Subset:
+    """A set of columns: their matrices are taken out of the Gram matrices once."""
+
+    def __init__(self, gram: Gram, index: np.ndarray):
+        self.gram, self.index, self._by_axis = gram, index, []  # per axis: which have a part there, their matrix
+        for local, matrix in zip(gram.local[:, index], gram.matrices, strict=True):
+            at = np.flatnonzero(local >= 0)
+            self._by_axis.append((at, matrix[local[at][:, None], local[at]]))
+
+    def normed(self) -> np.ndarray:
+        """Matrix over all axes, each axis in units of its noise and each column of size one."""
+        s = self.gram.scale[self.index]
+        return self._sum(1.0 / self.gram.variance) * s[:, None] * s
+
+    def solve(self) -> tuple[np.ndarray, np.ndarray, int]:
+        """Coefficients of the columns, their covariance and the rank."""
+        s = self.gram.scale[self.index]
+        inverse, rank = pseudo_inverse(self.normed())
+        return inverse @ self.gram.normed_cross[self.index] * s, inverse * s[:, None] * s, rank
+
+    def left(self, theta: np.ndarray) -> np.ndarray:
+        """Residual sum of squares per axis with coefficients theta."""
+        fitted = np.array([theta[at] @ matrix @ theta[at] for at, matrix in self._by_axis])
+        return self.gram.energy - 2.0 * self.gram.cross[:, self.index] @ theta + fitted
+
+    def energies(self, theta: np.ndarray, ends: np.ndarray) -> tuple[float, float]:
+        """Energy over all axes of the whole, and the sum over the energies of its parts, which begin at ``ends``."""
+        matrix = self._sum(np.ones(len(self._by_axis)))
+        each = theta[:, None] * matrix * theta
+        parts = np.add.reduceat(np.add.reduceat(each, ends, axis=0), ends, axis=1)
+        return float(each.sum()), float(np.trace(parts))
+
+    def _sum(self, factors: np.ndarray) -> np.ndarray:
+        out = np.zeros((len(self.index), len(self.index)))
+        for (at, matrix), factor in zip(self._by_axis, factors, strict=True):
+            out[at[:, None], at] += factor * matrix
+        return out
 
 
 def pseudo_inverse(gram: np.ndarray) -> tuple[np.ndarray, int]:

@@ -31,10 +31,11 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
         for train, test in GroupKFold(_FOLDS).split(x, y, blocks[rows]):
             model = ExtraTreesRegressor(40, min_samples_leaf=10, random_state=seed).fit(x[train], y[train])
             gains.append(1.0 - np.mean((y[test] - model.predict(x[test])) ** 2) / np.var(y[test]))
-            if np.mean(gains) > 0:
-                shuffled = permutation_importance(model, x[test], y[test], n_repeats=1, random_state=seed)
-                importance += shuffled.importances_mean
-        if np.mean(gains) > LEFT_R2 and np.mean(gains) > 4 * np.std(gains) / np.sqrt(_FOLDS) and np.min(gains) > 0:
+            if gains[-1] <= 0:
+                break
+            shuffled = permutation_importance(model, x[test], y[test], n_repeats=1, random_state=seed)
+            importance += shuffled.importances_mean
+        if np.min(gains) > 0 and np.mean(gains) > max(LEFT_R2, 4 * np.std(gains) / np.sqrt(_FOLDS)):
             top = int(importance.argmax())
             out.append({"axis": axis + 1, "variable": names[top], "share": float(np.mean(gains))})
     return out

@@ -182,6 +182,11 @@ class Measurement:
         return derivative(self.v, self.t_s, self.runs, _window(len(self.t_s)), _smoothed) * self.is_motion[:, None]
 
     @cached_property
+    def modelled(self) -> np.ndarray:
+        """The model as a function, at the positions of the log, (n, k)."""
+        return self.force_at(self.q)
+
+    @cached_property
     def sensitivity(self) -> np.ndarray | None:
         """dF_i/dq_j of the model by central differences, (n, k, k); None without force_at."""
         if self.force_at is None:

@@ -30,7 +30,7 @@ class Backlash(Effect):
 
     def predict(self, data, parameters):
         gap = np.array([parameters.get(Parameter("gap", j), 0.0) for j in range(data.n_axes)])
-        return data.force_at(data.q - 0.5 * gap * _side(data, parameters)) - data.force_at(data.q)
+        return data.force_at(data.q - 0.5 * gap * _side(data, parameters)) - data.modelled
 
 
 class BacklashInMotion(Backlash):

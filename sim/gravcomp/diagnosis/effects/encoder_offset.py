@@ -24,4 +24,4 @@ class EncoderOffset(Effect):
 
     def predict(self, data, parameters):
         offset = np.array([parameters.get(Parameter("offset", j), 0.0) for j in range(data.n_axes)])
-        return data.force_at(data.q + offset) - data.force_at(data.q)
+        return data.force_at(data.q + offset) - data.modelled

@@ -25,4 +25,4 @@ class LinkCompliance(Effect):
 
     def predict(self, data, parameters):
         c = np.array([parameters.get(Parameter("c", j), 0.0) for j in range(data.n_axes)])
-        return data.force_at(data.q + c * data.nominal) - data.force_at(data.q)
+        return data.force_at(data.q + c * data.nominal) - data.modelled
