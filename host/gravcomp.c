@@ -9,9 +9,6 @@
 #define FIELD(word, name) (((word) & GC_REGISTERS__##name##_bm) >> GC_REGISTERS__##name##_bp)
 #define AXES(word, name) ((uint8_t)FIELD(word, AXIS_FLAGS__##name))
 
-#define LOAD_KEY 0x4B455953u
-#define WORDS_PER_KICK 64u
-
 static uint32_t read_word(const gravcomp_bus *bus, uint32_t offset)
 {
     return bus->read(bus->context, offset);
@@ -364,7 +361,7 @@ static void send_image(const gravcomp_bus *bus, const uint8_t *image, uint32_t n
     for (uint32_t i = 0; i < n_words; i++) {
         const uint8_t *bytes = image + 4 * i;
 
-        if (i % WORDS_PER_KICK == 0) {
+        if (i % GRAVCOMP_WORDS_PER_KICK == 0) {
             gravcomp_kick(bus);
         }
         write_word(bus, OFFSET(load_word),
@@ -381,7 +378,7 @@ gravcomp_result gravcomp_load(const gravcomp_bus *bus, const uint8_t *image, uin
     if (!FIELD(status, LOAD_STATUS__LOADABLE)) {
         return GRAVCOMP_NOT_LOADABLE;
     }
-    write_word(bus, OFFSET(load_unlock), LOAD_KEY);
+    write_word(bus, OFFSET(load_unlock), GRAVCOMP_LOAD_KEY);
     send_image(bus, image, n_words);
     bank = FIELD(read_word(bus, OFFSET(load_status)), LOAD_STATUS__BANK);
     write_word(bus, OFFSET(load_crc), crc);
@@ -400,7 +397,7 @@ gravcomp_result gravcomp_load(const gravcomp_bus *bus, const uint8_t *image, uin
 
 gravcomp_result gravcomp_use_rom(const gravcomp_bus *bus, uint32_t polls)
 {
-    write_word(bus, OFFSET(load_unlock), LOAD_KEY);
+    write_word(bus, OFFSET(load_unlock), GRAVCOMP_LOAD_KEY);
     write_word(bus, OFFSET(load_command), GC_REGISTERS__LOAD_COMMAND__BEGIN_IMAGE_bm); /* forgets a refused image */
     write_word(bus, OFFSET(load_command), GC_REGISTERS__LOAD_COMMAND__USE_ROM_bm);
     write_word(bus, OFFSET(load_unlock), 0);

@@ -10,11 +10,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "gravcomp_facts.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-#define GRAVCOMP_AXES 3
 
 /* Access to one 32-bit register; context is handed through. */
 typedef struct {
@@ -69,13 +69,6 @@ typedef struct {
     uint32_t brake_test_us;                       /* for the read-back of a brake to follow in its test; 0 without one */
 } gravcomp_settings;
 
-typedef enum {
-    GRAVCOMP_BRAKED = 0,
-    GRAVCOMP_HOLDING = 3,
-    GRAVCOMP_RUN = 5,
-    GRAVCOMP_FAULTED = 6
-} gravcomp_brakes;
-
 /* All of one clock. Sets of axes have axis 1 in bit 0; causes are bits as in GC_REGISTERS__FAULT__*. */
 typedef struct {
     uint32_t result_number;                       /* results since reset */
@@ -105,12 +98,6 @@ typedef struct {
     uint32_t first_cause;                         /* those that came first; 0 when no fault is left */
     int32_t first_position[GRAVCOMP_AXES];        /* counts at the first fault */
 } gravcomp_state;
-
-/* Interrupts, to be combined. */
-#define GRAVCOMP_ON_RESULT 1u
-#define GRAVCOMP_ON_FAULT 2u
-#define GRAVCOMP_ON_MISSED_TICK 4u
-#define GRAVCOMP_ON_CORE_STOPPED 8u /* the core's clock stopped: brakes engaged, the rest of the state is old */
 
 /* Check that the core is there and read who it is. */
 gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identity);

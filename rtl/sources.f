@@ -1,3 +1,4 @@
+registers/gc_facts_pkg.vhd
 crossing/gc_synchronizer.vhd
 crossing/gc_crossing_pulse.vhd
 crossing/gc_crossing_bus.vhd
@@ -11,6 +12,7 @@ encoder/gc_quad_decoder.vhd
 common/gc_fixed_pkg.vhd
 generated/gc_network_pkg.vhd
 generated/gc_compensation_pkg.vhd
+registers/gc_scalars_pkg.vhd
 loading/gc_image_pkg.vhd
 common/gc_multiply.vhd
 common/gc_delay.vhd

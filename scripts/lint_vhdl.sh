@@ -17,4 +17,4 @@ warnings="--warn-error --warn-library --warn-binding --warn-reserved --warn-dela
         ghdl --synth $options --out=none $top >"$work/$top.log" 2>&1 || { cat "$work/$top.log" >&2; exit 1; }
     done
 }
-../.venv/bin/vsg --configuration ../scripts/vsg.yaml --filename $(grep -v "^registers/gc_registers\|^generated/" sources.f) ../tb/hdl/*.vhd --output_format syntastic
+../.venv/bin/vsg --configuration ../scripts/vsg.yaml --filename $(grep -v "^registers/gc_\|^generated/" sources.f) ../tb/hdl/*.vhd --output_format syntastic

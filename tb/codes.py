@@ -1,7 +1,6 @@
 """Integer codes to and from packed ports: value 0 lowest, two's complement."""
 
 import os
-import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from gravcomp.core.folder import folder_hash
 from gravcomp.core.formats import FixedNetwork, quantise
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
-from gravcomp_lab.synthesis.verilog import source_of
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -39,11 +37,6 @@ def fixed_compensation() -> FixedCompensation:
     folder = weights_under_test()
     constants = load_compensation(folder, fixed_network().n_axes)
     return quantise_compensation(constants, load_machine(folder).drive, folder)
-
-
-def vhdl_constant(entity: str, name: str) -> int:
-    """A numeric constant of an entity's source."""
-    return int(re.search(rf"constant {name} *: positive := (\d+);", source_of(ROOT / "rtl", entity).read_text())[1])
 
 
 def pack(values: Iterable[int], bits: int) -> int:

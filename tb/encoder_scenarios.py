@@ -8,11 +8,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from gravcomp.facts import SPEED_METER_CLOCKS
 from gravcomp.twin.encoder import NO_PERIOD, DecoderConfig, quadrature, wrap_32
 
 Signals = Mapping[str, np.ndarray]
 QUIET = ("rst", "error", "cfg_home_enable", "cfg_index_position", "cfg_index_period", "cfg_clear")
-SPEED_LATENCY = 3  # clocks from count to speed
 
 
 def stimulus(position: np.ndarray, config: DecoderConfig, index_at: int | None = None, index_width: int = 1) -> dict:
@@ -320,7 +320,7 @@ def steady_speed(config, rng):
         edges = np.flatnonzero(np.diff(out["count"])) + 1
         assert len(edges) == len(steps)
         for first, period in spans:
-            shown = slice(edges[first + 4] + SPEED_LATENCY, edges[first + 11] + SPEED_LATENCY)
+            shown = slice(edges[first + 4] + SPEED_METER_CLOCKS, edges[first + 11] + SPEED_METER_CLOCKS)
             assert (out["speed_period"][shown] == period).all()
             assert out["speed_valid"][shown].all()
             assert not out["speed_zero"][shown].any()
@@ -341,7 +341,7 @@ def fractional_speed(config, rng):
         edges = np.flatnonzero(np.diff(out["count"])) + 1
         assert len(edges) == len(steps)
         for j, (spacing, _) in enumerate(parts):
-            shown = out["speed_period"][edges[12 * j + 4 : 12 * j + 12] + SPEED_LATENCY]
+            shown = out["speed_period"][edges[12 * j + 4 : 12 * j + 12] + SPEED_METER_CLOCKS]
             assert (np.sign(shown) == (1, -1)[j % 2]).all()
             errors[spacing] = np.abs(np.abs(shown) - 4 * spacing).max()
         assert max(errors.values()) < 1.0, f"largest period error {max(errors.values()):.3f} clocks"
@@ -357,7 +357,7 @@ def reversal_and_standstill(config, rng):
     inputs = stimulus(path(steps, clocks), config)
 
     def check(out):
-        shown = np.flatnonzero(np.diff(out["count"])) + 1 + SPEED_LATENCY
+        shown = np.flatnonzero(np.diff(out["count"])) + 1 + SPEED_METER_CLOCKS
         period, valid, zero = out["speed_period"], out["speed_valid"], out["speed_zero"]
         assert not valid[: shown[4]].any()
         assert (period[: shown[4]] == NO_PERIOD).all()

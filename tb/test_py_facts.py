@@ -1,41 +1,33 @@
-"""Facts that more than one language states agree: the registers' description, VHDL, C, Python and the guide."""
+"""Facts are defined once, in facts.toml and the registers' description; what is written by hand beside them agrees."""
 
 import re
+import tomllib
 
 import pytest
 
 from codes import ROOT
-from gravcomp.core import formats
-from gravcomp.core.compensator_tables import N_POSITIONS, N_SPEEDS
-from gravcomp.driver import host
+from gravcomp import facts
+from gravcomp.core.compensator_tables import MANTISSA_BITS, N_POSITIONS, N_SPEEDS
 from gravcomp.driver.registers import read_registers
-from gravcomp.twin.safety import ALWAYS, Cause, State
+from gravcomp.errors import InputError
+from gravcomp.facts import ALWAYS, Cause, State
+from gravcomp_lab.registers.facts import SOURCE, Facts
 from gravcomp_lab.synthesis.verilog import source_of
 from runner import RTL
 
-RDL = (RTL / "registers" / "gc_registers.rdl").read_text()
-SAFETY = source_of(RTL, "gc_safety_pkg").read_text()
 BUS_SIDE = source_of(RTL, "gc_bus_side").read_text()
-C_SOURCE = (ROOT / "host" / "gravcomp.c").read_text()
-C_HEADER = (ROOT / "host" / "gravcomp.h").read_text()
 GUIDE = ROOT / "docs" / "guide"
 REGISTERS = read_registers()
-CAUSE_OF_FIELD = {"unreferenced": "reference"}  # the others have the name of their cause
 
 
-def test_causes_are_the_bits_of_the_fault_register():
-    fields = {name: low for name, (low, width) in REGISTERS["fault"].fields.items() if name != "clear"}
-    described = {CAUSE_OF_FIELD.get(name, name): low for name, low in fields.items()}
-    assert {cause.name.lower(): int(cause) for cause in Cause} == described
-    vhdl = re.findall(r"constant cause_(\w+)_c *: natural *:= (\d+);", SAFETY)
-    assert {name: int(bit) for name, bit in vhdl} == described
+def test_every_cause_is_wired_to_the_fault_of_its_name():
     wired = re.findall(r"regs_in\.fault\.(\w+)\.next_q <= in_state\.fault\(cause_(\w+)_c\);", BUS_SIDE)
-    assert {field: cause for field, cause in wired} == {name: CAUSE_OF_FIELD.get(name, name) for name in fields}
+    assert sorted(field for field, _ in wired) == sorted(cause.name.lower() for cause in Cause)
+    assert all(field == cause for field, cause in wired)
 
 
 def test_causes_have_one_width():
-    (width,) = re.findall(r"constant causes_c *: positive := (\d+);", SAFETY)
-    assert int(width) == len(Cause) == max(Cause) + 1
+    assert len(Cause) == max(Cause) + 1
     for register, field in (("fault", "clear"), ("cause", "value"), ("first_cause", "value")):
         assert REGISTERS[register].fields[field] == (0, len(Cause)), register
 
@@ -58,63 +50,28 @@ def test_registers_of_the_guide_are_at_their_offsets():
     assert [(name, int(offset, 16)) for offset, name in rows] == [(name, REGISTERS[name].address) for _, name in rows]
 
 
-def test_states_agree():
-    states = {state.name.lower(): int(state) for state in State}
-    vhdl = re.findall(r'constant state_(\w+)_c *: safety_state_t := "(\d+)";', SAFETY)
-    assert {name: int(code, 2) for name, code in vhdl} == states
-    told = re.search(r'desc = "State of the brakes: ([^."]*)', RDL)[1]
-    assert {name: int(code) for code, name in re.findall(r"(\d+) (\w+)", told)} == states
-    driver = {"faulted": states.pop("fault"), **states}
-    assert {state.name.lower(): int(state) for state in host.Brakes} == driver
-    c = re.findall(r"GRAVCOMP_(BRAKED|HOLDING|RUN|FAULTED) = (\d+)", C_HEADER)
-    assert {name.lower(): int(code) for name, code in c} == driver
-
-
 def test_any_two_states_differ_in_two_bits():
-    codes = [int(state) for state in State]
-    assert all((a ^ b).bit_count() >= 2 for a in codes for b in codes if a != b)
+    assert all((a ^ b).bit_count() >= 2 for a in State for b in State if a != b)
 
 
-@pytest.mark.parametrize(
-    ("file", "pattern"),
-    [
-        ("rtl/registers/gc_registers.rdl", r"0x(\w+), ASCII KEYS"),
-        ("host/gravcomp.c", r"#define LOAD_KEY 0x(\w+?)u"),
-        ("docs/guide/system.md", r"Write 0x(\w+) to `load_unlock`"),
-    ],
-)
-def test_key_to_loading_is_one(file, pattern):
-    assert int(re.search(pattern, (ROOT / file).read_text())[1], 16) == host.LOAD_KEY
-    assert re.search(r'load_key_c *: word_t := x"(\w+)"', BUS_SIDE)[1] == f"{host.LOAD_KEY:X}"
-    assert host.LOAD_KEY.to_bytes(4, "big") == b"KEYS"
+def test_latencies_in_the_table_of_entities_are_those_of_the_facts():
+    rows = dict(re.findall(r"^\| `gc_(\w+)` \|[^|]*\| (\d+)", (RTL / "README.md").read_text(), re.M))
+    clocks = {name.removesuffix("_CLOCKS").lower(): n for name, n in vars(facts).items() if name.endswith("_CLOCKS")}
+    assert {name: int(rows[name]) for name in clocks} == clocks
+    behind = facts.COMPENSATOR_CLOCKS + facts.CURRENT_SCALER_CLOCKS + 1
+    assert f"that of `gc_core` and {behind} |" in (RTL / "README.md").read_text()
 
 
-def test_what_the_key_guards_is_the_loader_and_nothing_else():
-    (block,) = re.findall(r'load_block_c *: std_ulogic_vector\(11 downto 4\) := x"(\w+)"', BUS_SIDE)
-    guarded = {name for name, register in REGISTERS.items() if register.address >> 4 == int(block, 16)}
-    assert guarded == {"load_command", "load_crc", "load_word"}
-    told = re.search(r"Without it, writes to 0x(\w+) to 0x(\w+) get SLVERR", (GUIDE / "system.md").read_text())
-    assert [int(end, 16) for end in told.groups()] == [int(block, 16) << 4, (int(block, 16) << 4) + 15]
+def test_tables_have_a_node_per_address():
+    """Direction, five bits of exponent of a 32-bit period, mantissa; the last octave stands for standstill."""
+    assert 2**facts.SPEED_ADDRESS_BITS == 2 * N_SPEEDS == 2 * 32 * 2**MANTISSA_BITS
+    assert 2**facts.POSITION_ADDRESS_BITS == N_POSITIONS
 
 
-def test_axes_are_one_number():
-    vhdl = re.search(r"constant axes_c *: positive := (\d+);", source_of(RTL, "gc_system_pkg").read_text())[1]
-    c = re.search(r"#define GRAVCOMP_AXES (\d+)", C_HEADER)[1]
-    arrays = {r.count for name, r in REGISTERS.items() if r.count > 1 and not name.endswith("_hash")}
-    assert {int(vhdl), int(c), *arrays} == {host.AXES}
-
-
-def test_operands_are_as_wide_in_python_as_in_vhdl():
-    package = source_of(RTL, "gc_fixed_pkg").read_text()
-    assert int(re.search(r"constant operand_bits_c *: positive := (\d+);", package)[1]) == formats.OPERAND_BITS
-
-
-def test_tables_of_the_compensator_are_as_long_in_python_as_in_vhdl():
-    package = source_of(RTL, "gc_image_pkg").read_text()
-    bits = dict(re.findall(r"constant (speed|position)_address_bits_c *: positive := (\d+);", package))
-    assert 2 ** int(bits["speed"]) == 2 * N_SPEEDS
-    assert 2 ** int(bits["position"]) == N_POSITIONS
-
-
-def test_drivers_kick_as_often_while_they_load():
-    assert int(re.search(r"#define WORDS_PER_KICK (\d+)u", C_SOURCE)[1]) == host.WORDS_PER_KICK
+def test_key_guards_whole_blocks_of_registers_alone():
+    table = tomllib.loads(SOURCE.read_text())
+    made = Facts(table, REGISTERS)
+    assert (made.load_key.to_bytes(4, "big"), made.guarded_block) == (b"KEYS", 0x1C)
+    for names in (["load_command", "load_crc"], ["load_command", "load_crc", "load_word", "guards"]):
+        with pytest.raises(InputError, match="guarded: they must be alone in one block of 16 bytes"):
+            _ = Facts({**table, "guarded": names}, REGISTERS).guarded_block

@@ -13,10 +13,15 @@ from gravcomp_lab.ipxact.component import SCRIPT
 from runner import RTL
 
 GENERATED = [
-    *(RTL / "registers" / name for name in ("gc_registers_pkg.vhd", "gc_registers.vhd")),
+    *(
+        RTL / "registers" / name
+        for name in ("gc_registers_pkg.vhd", "gc_registers.vhd", "gc_facts_pkg.vhd", "gc_scalars_pkg.vhd")
+    ),
     IPXACT,
     IPXACT.parent / SCRIPT,
-    ROOT / "host" / "gravcomp_registers.h",
+    *(ROOT / "host" / name for name in ("gravcomp_registers.h", "gravcomp_facts.h")),
+    ROOT / "sim" / "gravcomp" / "facts.py",
+    ROOT / "docs" / "guide" / "system.md",
 ]
 
 

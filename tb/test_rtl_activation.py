@@ -6,6 +6,7 @@ import pytest
 
 from codes import pack, unpack
 from gravcomp.core.formats import OPERAND_BITS
+from gravcomp.facts import ACTIVATION_CLOCKS
 from gravcomp.twin.network import activation
 from runner import simulate
 from stream import after_resets, latencies, start, stream
@@ -18,7 +19,7 @@ async def every_code(dut):
     await start(dut)
     got = await stream(dut, [{"in_a": pack([a], OPERAND_BITS)} for a in CODES], ["out_h"])
     np.testing.assert_array_equal(unpack(got.outputs["out_h"], OPERAND_BITS, 1)[:, 0], activation(CODES))
-    assert latencies(got) == {3}
+    assert latencies(got) == {ACTIVATION_CLOCKS}
 
 
 @cocotb.test()

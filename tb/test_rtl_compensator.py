@@ -7,9 +7,10 @@ import cocotb
 import numpy as np
 import pytest
 
-from codes import ROOT, corners_and_random, fixed_network, pack, unpack, vhdl_constant
+from codes import ROOT, corners_and_random, fixed_network, pack, unpack
 from compensated import CSV, N_AXES, compensated_weights, constants, draw_periods
 from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
+from gravcomp.facts import COMPENSATOR_CLOCKS
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator, friction
 from runner import BUILD, simulate
@@ -17,7 +18,7 @@ from stream import latencies, start, stream
 from test_rtl_force_path import Bench
 
 OUTPUTS = ["out_force", "out_saturated"]
-LATENCY = vhdl_constant("gc_force_path", "compensator_clocks_c")
+LATENCY = COMPENSATOR_CLOCKS
 PACE = 6  # clocks per encoder edge: the force is there before the speed is known
 WEIGHTS = BUILD / "compensated"
 

@@ -3,8 +3,9 @@
 import cocotb
 import numpy as np
 
-from codes import corners_and_random, fixed_network, pack, unpack, vhdl_constant
+from codes import corners_and_random, fixed_network, pack, unpack
 from gravcomp.core.formats import CURRENT_BITS, FORCE_BITS
+from gravcomp.facts import CURRENT_SCALER_CLOCKS
 from gravcomp.twin.network import current_scaler
 from machines import MACHINE
 from runner import simulate
@@ -20,7 +21,7 @@ async def random_forces(dut):
     got = await stream(dut, inputs, ["out_current"], gap_probability=0.2, rng=rng)
     current_ua = unpack(got.outputs["out_current"], CURRENT_BITS, fixed.n_axes)
     np.testing.assert_array_equal(current_ua, current_scaler(force_mn, fixed))
-    assert latencies(got) == {vhdl_constant("gc_force_path", "scaler_clocks_c")}
+    assert latencies(got) == {CURRENT_SCALER_CLOCKS}
     exact_ua = force_mn * 1000.0 / MACHINE.drive.effort_per_ampere
     constant_error = 0.5 / fixed.current_scale  # the factor is rounded to its last bit
     assert (np.abs(current_ua - exact_ua) <= 0.5 + np.abs(exact_ua) * constant_error).all()

@@ -29,7 +29,7 @@ async def braked_by(board: Board, cause: Cause) -> None:
     await board.clocks(60)
     await board.wait_for_state("fault")
     assert not board.is_released()
-    also = Cause.REFERENCE.mask if cause == Cause.ENCODER else 0
+    also = Cause.UNREFERENCED.mask if cause == Cause.ENCODER else 0
     assert await board.registers.read("first_cause") == cause.mask | also
 
 
@@ -127,7 +127,7 @@ async def an_index_that_never_falls_is_no_reference(dut):
     await board.registers.read("result_number")
     assert await board.registers.field("axis_flags", "referenced") == 0
     assert await board.registers.field("axis_flags", "illegal") == 0, "a reference that was lost again"
-    assert await board.registers.read("cause") & Cause.REFERENCE.mask
+    assert await board.registers.read("cause") & Cause.UNREFERENCED.mask
     board.wires = {}
     board.drive()
     await board.home()

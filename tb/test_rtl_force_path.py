@@ -14,10 +14,11 @@ import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
-from codes import fixed_compensation, fixed_network, pack, unpack, vhdl_constant
+from codes import fixed_compensation, fixed_network, pack, unpack
 from compensated import compensated_weights
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS, FORCE_BITS
 from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
 from gravcomp_lab.simulated.poses import motion, pose_sets
@@ -31,9 +32,7 @@ CLOCK_NS = 2 * round(1e6 / CLOCKS_PER_PERIOD / 2)
 TRAVEL_CLOCKS = 1000  # the longest way between two poses here
 INFERENCE_CLOCKS = 100
 # From the forces of gc_core, beside which the compensator takes the speed, to the result.
-CLOCKS_BEHIND_CORE = (
-    vhdl_constant("gc_force_path", "compensator_clocks_c") + vhdl_constant("gc_force_path", "scaler_clocks_c") + 1
-)
+CLOCKS_BEHIND_CORE = COMPENSATOR_CLOCKS + CURRENT_SCALER_CLOCKS + 1
 LATENCY_CLOCKS = 45  # of gc_force_path with 2 lanes or more, with some to spare
 DECODER_CLOCKS = 12  # synchroniser, filter and count, with some to spare
 

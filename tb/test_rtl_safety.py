@@ -10,7 +10,6 @@ from codes import ROOT, fixed_network, pack, unpack
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.twin.brakes import BrakeOptions, State
 from gravcomp.twin.safety import ALWAYS, Cause, safety
-from gravcomp_lab.synthesis.verilog import source_of
 from playback import flush, play
 from runner import RTL, simulate
 
@@ -78,7 +77,7 @@ def present_it(inputs: dict[str, np.ndarray], cause: Cause, clocks: slice, axis:
         Cause.SATURATION: ("in_saturated" if axis % 2 else "in_clamped", 1),
         Cause.WATCHDOG: ("kick", 0),
         Cause.RESULT: ("in_result", 0),
-        Cause.REFERENCE: ("in_referenced", 0),
+        Cause.UNREFERENCED: ("in_referenced", 0),
         Cause.COMMAND: ("in_deviates", 1),
         Cause.HOLD: ("in_reached", 0),
         Cause.BRAKE: ("brake_fails", 1),
@@ -387,7 +386,7 @@ def test_safety_waits_for_its_synchroniser():
 
 
 def test_safety_codes_equal_package():
-    text = source_of(RTL, "gc_safety_pkg").read_text()
+    text = (RTL / "registers" / "gc_facts_pkg.vhd").read_text()
     causes = {name.upper(): int(bit) for name, bit in re.findall(r"cause_(\w+)_c +: natural +:= (\d+)", text)}
     states = {name.upper(): int(code, 2) for name, code in re.findall(r'state_(\w+)_c +: \w+ := "(\d+)"', text)}
     assert causes == {cause.name: cause.value for cause in Cause}

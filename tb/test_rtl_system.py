@@ -16,6 +16,7 @@ from codes import fixed_compensation, fixed_network, hash_under_test, pack, unpa
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.core.image import Image
 from gravcomp.driver.host import Host, Result, Settings, machine_settings
+from gravcomp.facts import State
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
 from gravcomp.twin.safety import Cause
@@ -24,7 +25,7 @@ from runner import BENCHES, simulate
 N_AXES = 3
 ALL_FAULTS = (1 << len(Cause)) - 1
 KICK = 2  # of command
-STATES = {"braked": 0, "holding": 3, "run": 5, "fault": 6}
+STATES = {state.name.lower(): state for state in State}
 CONTROL_PERIOD_US = 100  # of a control loop at 10 kHz
 
 

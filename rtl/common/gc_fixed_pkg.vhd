@@ -9,10 +9,10 @@ library ieee;
   use ieee.std_logic_1164.all;
   use ieee.numeric_std.all;
 
-package gc_fixed_pkg is
+library work;
+  use work.gc_facts_pkg.all;
 
-  -- Every multiplier operand of the network: one 18 x 18 block per product.
-  constant operand_bits_c : positive := 18;
+package gc_fixed_pkg is
 
   subtype operand_t is signed(operand_bits_c - 1 downto 0);
 

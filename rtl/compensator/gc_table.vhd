@@ -11,6 +11,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
+  use work.gc_facts_pkg.all;
   use work.gc_fixed_pkg.all;
   use work.gc_image_pkg.all;
 

@@ -14,6 +14,7 @@ library ieee;
 library work;
   use work.gc_crc_pkg.all;
   use work.gc_image_pkg.all;
+  use work.gc_scalars_pkg.all;
 
 entity gc_bank_switch is
   port (

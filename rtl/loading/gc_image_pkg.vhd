@@ -12,56 +12,13 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
+  use work.gc_compensation_pkg.all;
+  use work.gc_facts_pkg.all;
   use work.gc_fixed_pkg.all;
   use work.gc_network_pkg.all;
-  use work.gc_compensation_pkg.all;
+  use work.gc_scalars_pkg.all;
 
 package gc_image_pkg is
-
-  constant image_word_bits_c : positive := 32;
-
-  -- Sections of the image, in order.
-  constant hidden_section_c   : natural  := 0;
-  constant output_section_c   : natural  := 1;
-  constant friction_section_c : natural  := 2;
-  constant mu_section_c       : natural  := 3;
-  constant position_section_c : natural  := 4;
-  constant scalar_section_c   : natural  := 5;
-  constant sections_c         : positive := 6;
-
-  -- Nodes of the tables of an axis, as bits of an address.
-  constant speed_address_bits_c    : positive := 9;
-  constant position_address_bits_c : positive := 8;
-
-  -- What is not in a table; per axis, axis 1 lowest.
-
-  type scalars_t is record
-    count_low     : signed(inputs_c * count_bits_c - 1 downto 0);
-    count_high    : signed(inputs_c * count_bits_c - 1 downto 0);
-    x_low         : signed(inputs_c * operand_bits_c - 1 downto 0);
-    x_high        : signed(inputs_c * operand_bits_c - 1 downto 0);
-    input_scale   : signed(inputs_c * operand_bits_c - 1 downto 0);
-    output_bias   : signed(outputs_c * output_sum_bits_c - 1 downto 0);
-    output_scale  : signed(outputs_c * operand_bits_c - 1 downto 0);
-    current_scale : signed(outputs_c * operand_bits_c - 1 downto 0);
-    phase_step    : signed(outputs_c * phase_step_bits_c - 1 downto 0);
-  end record scalars_t;
-
-  constant scalar_bits_c : positive := inputs_c * (2 * count_bits_c + 3 * operand_bits_c)
-                                       + outputs_c * (output_sum_bits_c + 2 * operand_bits_c + phase_step_bits_c);
-
-  constant rom_scalars_c : scalars_t :=
-  (
-    count_low     => flat(count_low_c),
-    count_high    => flat(count_high_c),
-    x_low         => x_low_c,
-    x_high        => x_high_c,
-    input_scale   => input_scale_c,
-    output_bias   => output_bias_c,
-    output_scale  => output_scale_c,
-    current_scale => current_scale_c,
-    phase_step    => flat(phase_step_c)
-  );
 
   -- Records of each section, and words of a record; those of the hidden layer are the longest of a table.
 
@@ -69,22 +26,22 @@ package gc_image_pkg is
 
   constant section_records_c : section_numbers_t :=
   (
-    hidden_c,
-    hidden_c,
-    outputs_c * 2 ** speed_address_bits_c,
-    outputs_c * 2 ** speed_address_bits_c,
-    outputs_c * 2 ** position_address_bits_c,
-    1
+    hidden_section_c   => hidden_c,
+    output_section_c   => hidden_c,
+    friction_section_c => outputs_c * 2 ** speed_address_bits_c,
+    mu_section_c       => outputs_c * 2 ** speed_address_bits_c,
+    position_section_c => outputs_c * 2 ** position_address_bits_c,
+    scalar_section_c   => 1
   );
 
   constant record_words_c : section_numbers_t :=
   (
-    (hidden_word_bits_c + image_word_bits_c - 1) / image_word_bits_c,
-    (output_word_bits_c + image_word_bits_c - 1) / image_word_bits_c,
-    (table_word_t'length + image_word_bits_c - 1) / image_word_bits_c,
-    (table_word_t'length + image_word_bits_c - 1) / image_word_bits_c,
-    (table_word_t'length + image_word_bits_c - 1) / image_word_bits_c,
-    (scalar_bits_c + image_word_bits_c - 1) / image_word_bits_c
+    hidden_section_c   => (hidden_word_bits_c + image_word_bits_c - 1) / image_word_bits_c,
+    output_section_c   => (output_word_bits_c + image_word_bits_c - 1) / image_word_bits_c,
+    friction_section_c => (table_word_t'length + image_word_bits_c - 1) / image_word_bits_c,
+    mu_section_c       => (table_word_t'length + image_word_bits_c - 1) / image_word_bits_c,
+    position_section_c => (table_word_t'length + image_word_bits_c - 1) / image_word_bits_c,
+    scalar_section_c   => (scalar_bits_c + image_word_bits_c - 1) / image_word_bits_c
   );
 
   constant record_bits_c : positive := record_words_c(hidden_section_c) * image_word_bits_c;
@@ -120,12 +77,6 @@ package gc_image_pkg is
     scalars  : scalars_t
   ) return scalars_t;
 
-  -- The scalars of their record.
-
-  function scalars_of (
-    bits : std_ulogic_vector(scalar_bits_c - 1 downto 0)
-  ) return scalars_t;
-
   -- The lowest bits of a record whose last word is the highest of data.
 
   function field (
@@ -150,40 +101,6 @@ package body gc_image_pkg is
     return rom_scalars_c;
 
   end function in_use;
-
-  function scalars_of (
-    bits : std_ulogic_vector(scalar_bits_c - 1 downto 0)
-  ) return scalars_t is
-
-    variable scalars_v : scalars_t;
-    variable low_v     : natural := 0;
-
-    -- The next field.
-
-    procedure take (
-      variable field_v : out signed
-    ) is
-    begin
-
-      field_v := signed(bits(low_v + field_v'length - 1 downto low_v));
-      low_v := low_v + field_v'length;
-
-    end procedure take;
-
-  begin
-
-    take(scalars_v.count_low);
-    take(scalars_v.count_high);
-    take(scalars_v.x_low);
-    take(scalars_v.x_high);
-    take(scalars_v.input_scale);
-    take(scalars_v.output_bias);
-    take(scalars_v.output_scale);
-    take(scalars_v.current_scale);
-    take(scalars_v.phase_step);
-    return scalars_v;
-
-  end function scalars_of;
 
   function field (
     data : std_ulogic_vector(record_bits_c - 1 downto 0);

@@ -14,7 +14,9 @@ library ieee;
 
 library work;
   use work.gc_crc_pkg.all;
+  use work.gc_facts_pkg.all;
   use work.gc_image_pkg.all;
+  use work.gc_scalars_pkg.all;
 
 entity gc_loader is
   port (

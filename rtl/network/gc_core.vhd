@@ -15,9 +15,11 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
+  use work.gc_facts_pkg.all;
   use work.gc_fixed_pkg.all;
-  use work.gc_network_pkg.all;
   use work.gc_image_pkg.all;
+  use work.gc_network_pkg.all;
+  use work.gc_scalars_pkg.all;
 
 entity gc_core is
   generic (
@@ -59,7 +61,7 @@ architecture rtl of gc_core is
   constant spread_c  : boolean  := steps_c = 1;
   constant regions_c : positive := 4;
   -- From x to force: copies, lane, activation, output layer, output scaler.
-  constant delay_c   : positive := 3 * boolean'pos(spread_c) + hidden_latency(inputs_c, lanes_g) + 3
+  constant delay_c   : positive := 3 * boolean'pos(spread_c) + hidden_latency(inputs_c, lanes_g) + activation_clocks_c
                                    + (steps_c - 1 + output_latency(lanes_g, steps_c))
                                    + (1 + scale_latency(outputs_c, serial_c));
 

@@ -372,7 +372,7 @@ architecture rtl of gc_registers is
         load_next : std_logic;
     end record;
 
-    type gc_registers_interrupt_enable_core_clock_combo_t is record
+    type gc_registers_interrupt_enable_core_stopped_combo_t is record
         next_q : std_logic;
         load_next : std_logic;
     end record;
@@ -381,7 +381,7 @@ architecture rtl of gc_registers is
         result : gc_registers_interrupt_enable_result_combo_t;
         fault : gc_registers_interrupt_enable_fault_combo_t;
         missed_tick : gc_registers_interrupt_enable_missed_tick_combo_t;
-        core_clock : gc_registers_interrupt_enable_core_clock_combo_t;
+        core_stopped : gc_registers_interrupt_enable_core_stopped_combo_t;
     end record;
 
     type gc_registers_interrupt_status_result_combo_t is record
@@ -399,7 +399,7 @@ architecture rtl of gc_registers is
         load_next : std_logic;
     end record;
 
-    type gc_registers_interrupt_status_core_clock_combo_t is record
+    type gc_registers_interrupt_status_core_stopped_combo_t is record
         next_q : std_logic;
         load_next : std_logic;
     end record;
@@ -408,7 +408,7 @@ architecture rtl of gc_registers is
         result : gc_registers_interrupt_status_result_combo_t;
         fault : gc_registers_interrupt_status_fault_combo_t;
         missed_tick : gc_registers_interrupt_status_missed_tick_combo_t;
-        core_clock : gc_registers_interrupt_status_core_clock_combo_t;
+        core_stopped : gc_registers_interrupt_status_core_stopped_combo_t;
     end record;
 
     type gc_registers_load_unlock_key_combo_t is record
@@ -686,7 +686,7 @@ architecture rtl of gc_registers is
         value : std_logic;
     end record;
 
-    type gc_registers_interrupt_enable_core_clock_storage_t is record
+    type gc_registers_interrupt_enable_core_stopped_storage_t is record
         value : std_logic;
     end record;
 
@@ -694,7 +694,7 @@ architecture rtl of gc_registers is
         result : gc_registers_interrupt_enable_result_storage_t;
         fault : gc_registers_interrupt_enable_fault_storage_t;
         missed_tick : gc_registers_interrupt_enable_missed_tick_storage_t;
-        core_clock : gc_registers_interrupt_enable_core_clock_storage_t;
+        core_stopped : gc_registers_interrupt_enable_core_stopped_storage_t;
     end record;
 
     type gc_registers_interrupt_status_result_storage_t is record
@@ -709,7 +709,7 @@ architecture rtl of gc_registers is
         value : std_logic;
     end record;
 
-    type gc_registers_interrupt_status_core_clock_storage_t is record
+    type gc_registers_interrupt_status_core_stopped_storage_t is record
         value : std_logic;
     end record;
 
@@ -717,7 +717,7 @@ architecture rtl of gc_registers is
         result : gc_registers_interrupt_status_result_storage_t;
         fault : gc_registers_interrupt_status_fault_storage_t;
         missed_tick : gc_registers_interrupt_status_missed_tick_storage_t;
-        core_clock : gc_registers_interrupt_status_core_clock_storage_t;
+        core_stopped : gc_registers_interrupt_status_core_stopped_storage_t;
     end record;
 
     type gc_registers_load_unlock_key_storage_t is record
@@ -2090,29 +2090,29 @@ begin
         end if;
     end process;
 
-    -- Field: gc_registers.interrupt_enable.core_clock
+    -- Field: gc_registers.interrupt_enable.core_stopped
     process(all)
         variable next_c: std_logic;
         variable load_next_c: std_logic;
     begin
-        next_c := field_storage.interrupt_enable.core_clock.value;
+        next_c := field_storage.interrupt_enable.core_stopped.value;
         load_next_c := '0';
         if decoded_reg_strb.interrupt_enable and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.interrupt_enable.core_clock.value and not decoded_wr_biten(3)) or (decoded_wr_data(3) and decoded_wr_biten(3));
+            next_c := (field_storage.interrupt_enable.core_stopped.value and not decoded_wr_biten(3)) or (decoded_wr_data(3) and decoded_wr_biten(3));
             load_next_c := '1';
         end if;
-        field_combo.interrupt_enable.core_clock.next_q <= next_c;
-        field_combo.interrupt_enable.core_clock.load_next <= load_next_c;
+        field_combo.interrupt_enable.core_stopped.next_q <= next_c;
+        field_combo.interrupt_enable.core_stopped.load_next <= load_next_c;
     end process;
     process(clk) begin
         if false then -- async reset
-            field_storage.interrupt_enable.core_clock.value <= '0';
+            field_storage.interrupt_enable.core_stopped.value <= '0';
         elsif rising_edge(clk) then
             if rst then -- sync reset
-                field_storage.interrupt_enable.core_clock.value <= '0';
+                field_storage.interrupt_enable.core_stopped.value <= '0';
             else
-                if field_combo.interrupt_enable.core_clock.load_next then
-                    field_storage.interrupt_enable.core_clock.value <= field_combo.interrupt_enable.core_clock.next_q;
+                if field_combo.interrupt_enable.core_stopped.load_next then
+                    field_storage.interrupt_enable.core_stopped.value <= field_combo.interrupt_enable.core_stopped.next_q;
                 end if;
             end if;
         end if;
@@ -2211,32 +2211,32 @@ begin
         end if;
     end process;
 
-    -- Field: gc_registers.interrupt_status.core_clock
+    -- Field: gc_registers.interrupt_status.core_stopped
     process(all)
         variable next_c: std_logic;
         variable load_next_c: std_logic;
     begin
-        next_c := field_storage.interrupt_status.core_clock.value;
+        next_c := field_storage.interrupt_status.core_stopped.value;
         load_next_c := '0';
-        if hwif_in.interrupt_status.core_clock.next_q then -- stickybit
+        if hwif_in.interrupt_status.core_stopped.next_q then -- stickybit
             next_c := '1';
             load_next_c := '1';
         elsif decoded_reg_strb.interrupt_status and decoded_req_is_wr then -- SW write 1 clear
-            next_c := field_storage.interrupt_status.core_clock.value and not (decoded_wr_data(3) and decoded_wr_biten(3));
+            next_c := field_storage.interrupt_status.core_stopped.value and not (decoded_wr_data(3) and decoded_wr_biten(3));
             load_next_c := '1';
         end if;
-        field_combo.interrupt_status.core_clock.next_q <= next_c;
-        field_combo.interrupt_status.core_clock.load_next <= load_next_c;
+        field_combo.interrupt_status.core_stopped.next_q <= next_c;
+        field_combo.interrupt_status.core_stopped.load_next <= load_next_c;
     end process;
     process(clk) begin
         if false then -- async reset
-            field_storage.interrupt_status.core_clock.value <= '0';
+            field_storage.interrupt_status.core_stopped.value <= '0';
         elsif rising_edge(clk) then
             if rst then -- sync reset
-                field_storage.interrupt_status.core_clock.value <= '0';
+                field_storage.interrupt_status.core_stopped.value <= '0';
             else
-                if field_combo.interrupt_status.core_clock.load_next then
-                    field_storage.interrupt_status.core_clock.value <= field_combo.interrupt_status.core_clock.next_q;
+                if field_combo.interrupt_status.core_stopped.load_next then
+                    field_storage.interrupt_status.core_stopped.value <= field_combo.interrupt_status.core_stopped.next_q;
                 end if;
             end if;
         end if;
@@ -2245,7 +2245,7 @@ begin
         (field_storage.interrupt_status.result.value and field_storage.interrupt_enable.result.value)
         or (field_storage.interrupt_status.fault.value and field_storage.interrupt_enable.fault.value)
         or (field_storage.interrupt_status.missed_tick.value and field_storage.interrupt_enable.missed_tick.value)
-        or (field_storage.interrupt_status.core_clock.value and field_storage.interrupt_enable.core_clock.value);
+        or (field_storage.interrupt_status.core_stopped.value and field_storage.interrupt_enable.core_stopped.value);
 
     -- Field: gc_registers.load_unlock.key
     process(all)
@@ -2762,13 +2762,13 @@ begin
             readback_data_var(0) := field_storage.interrupt_enable.result.value;
             readback_data_var(1) := field_storage.interrupt_enable.fault.value;
             readback_data_var(2) := field_storage.interrupt_enable.missed_tick.value;
-            readback_data_var(3) := field_storage.interrupt_enable.core_clock.value;
+            readback_data_var(3) := field_storage.interrupt_enable.core_stopped.value;
         end if;
         if rd_mux_addr = 16#1A4# then
             readback_data_var(0) := field_storage.interrupt_status.result.value;
             readback_data_var(1) := field_storage.interrupt_status.fault.value;
             readback_data_var(2) := field_storage.interrupt_status.missed_tick.value;
-            readback_data_var(3) := field_storage.interrupt_status.core_clock.value;
+            readback_data_var(3) := field_storage.interrupt_status.core_stopped.value;
         end if;
         if rd_mux_addr = 16#1B4# then
             readback_data_var(0) := hwif_in.load_status.loadable.next_q;

@@ -374,7 +374,7 @@ package gc_registers_pkg is
         next_q : std_logic;
     end record;
 
-    type gc_registers_interrupt_status_core_clock_in_t is record
+    type gc_registers_interrupt_status_core_stopped_in_t is record
         next_q : std_logic;
     end record;
 
@@ -382,7 +382,7 @@ package gc_registers_pkg is
         result : gc_registers_interrupt_status_result_in_t;
         fault : gc_registers_interrupt_status_fault_in_t;
         missed_tick : gc_registers_interrupt_status_missed_tick_in_t;
-        core_clock : gc_registers_interrupt_status_core_clock_in_t;
+        core_stopped : gc_registers_interrupt_status_core_stopped_in_t;
     end record;
 
     type gc_registers_load_unlock_key_in_t is record

@@ -14,8 +14,8 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
+  use work.gc_facts_pkg.all;
   use work.gc_network_pkg.all;
-  use work.gc_safety_pkg.all;
 
 entity gc_fault_latch is
   generic (

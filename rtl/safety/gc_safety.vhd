@@ -21,8 +21,8 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
+  use work.gc_facts_pkg.all;
   use work.gc_network_pkg.all;
-  use work.gc_safety_pkg.all;
 
 entity gc_safety is
   generic (
@@ -266,7 +266,7 @@ begin
           flags_1(cause_encoder_c) <= '1';
         end if;
         if in_referenced(i) = '0' then
-          flags_1(cause_reference_c) <= '1';
+          flags_1(cause_unreferenced_c) <= '1';
         end if;
         if count_v < low_v or count_v > high_v then
           flags_1(cause_position_c) <= '1';

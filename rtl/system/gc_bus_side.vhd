@@ -21,6 +21,7 @@ library ieee;
 
 library work;
   use work.gc_compensation_pkg.all;
+  use work.gc_facts_pkg.all;
   use work.gc_network_pkg.all;
   use work.gc_registers_pkg.all;
   use work.gc_safety_pkg.all;
@@ -74,10 +75,7 @@ end entity gc_bus_side;
 
 architecture rtl of gc_bus_side is
 
-  constant load_key_c : word_t := x"4B455953";
-
-  -- Upper part of the addresses of the loader's registers (registers/gc_registers.rdl); an address without a register.
-  constant load_block_c  : std_ulogic_vector(11 downto 4) := x"1C";
+  -- An address without a register.
   constant no_register_c : std_ulogic_vector(11 downto 0) := x"FFC";
 
   -- Upper part of the addresses of the settings, and the one among them that keeps nothing.
@@ -377,7 +375,7 @@ begin
   regs_in.fault.saturation.next_q <= in_state.fault(cause_saturation_c);
   regs_in.fault.watchdog.next_q <= in_state.fault(cause_watchdog_c);
   regs_in.fault.result.next_q <= in_state.fault(cause_result_c);
-  regs_in.fault.unreferenced.next_q <= in_state.fault(cause_reference_c);
+  regs_in.fault.unreferenced.next_q <= in_state.fault(cause_unreferenced_c);
   regs_in.fault.command.next_q <= in_state.fault(cause_command_c);
   regs_in.fault.hold.next_q <= in_state.fault(cause_hold_c);
   regs_in.fault.brake.next_q <= in_state.fault(cause_brake_c);
@@ -450,6 +448,6 @@ begin
   regs_in.interrupt_status.result.next_q <= new_result;
   regs_in.interrupt_status.missed_tick.next_q <= new_missed;
   regs_in.interrupt_status.fault.next_q <= new_fault;
-  regs_in.interrupt_status.core_clock.next_q <= stopped;
+  regs_in.interrupt_status.core_stopped.next_q <= stopped;
 
 end architecture rtl;

@@ -13,6 +13,7 @@ library ieee;
 
 library work;
   use work.gc_encoder_pkg.all;
+  use work.gc_facts_pkg.all;
   use work.gc_network_pkg.all;
   use work.gc_safety_pkg.all;
   use work.gc_system_pkg.all;

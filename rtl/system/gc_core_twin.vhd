@@ -12,6 +12,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
+  use work.gc_facts_pkg.all;
   use work.gc_network_pkg.all;
   use work.gc_system_pkg.all;
 

@@ -10,9 +10,11 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
+  use work.gc_facts_pkg.all;
   use work.gc_fixed_pkg.all;
-  use work.gc_network_pkg.all;
   use work.gc_image_pkg.all;
+  use work.gc_network_pkg.all;
+  use work.gc_scalars_pkg.all;
 
 entity gc_current_scaler is
   port (

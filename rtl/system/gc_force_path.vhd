@@ -11,8 +11,10 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
-  use work.gc_network_pkg.all;
+  use work.gc_facts_pkg.all;
   use work.gc_image_pkg.all;
+  use work.gc_network_pkg.all;
+  use work.gc_scalars_pkg.all;
 
 entity gc_force_path is
   generic (
@@ -91,10 +93,6 @@ entity gc_force_path is
 end entity gc_force_path;
 
 architecture rtl of gc_force_path is
-
-  -- Latencies of gc_compensator and gc_current_scaler, clocks.
-  constant compensator_clocks_c : positive := 12;
-  constant scaler_clocks_c      : positive := 3;
 
   signal count         : signed(inputs_c * count_bits_c - 1 downto 0);
   signal count_valid   : std_ulogic_vector(inputs_c - 1 downto 0);
@@ -249,7 +247,7 @@ begin
   i_result : entity work.gc_delay
     generic map (
       bits_g   => result'length,
-      clocks_g => scaler_clocks_c
+      clocks_g => current_scaler_clocks_c
     )
     port map (
       clk      => clk,

@@ -8,11 +8,9 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
-  use work.gc_safety_pkg.all;
+  use work.gc_facts_pkg.all;
 
 package gc_system_pkg is
-
-  constant axes_c : positive := 3;
 
   subtype word_t is std_ulogic_vector(31 downto 0);
 

@@ -7,7 +7,7 @@ library ieee;
   use ieee.numeric_std.all;
 
 library work;
-  use work.gc_safety_pkg.all;
+  use work.gc_facts_pkg.all;
   use work.gc_system_pkg.all;
 
 entity gc_words_bench is

@@ -18,12 +18,13 @@ import numpy as np
 from gravcomp.core import formats as q
 from gravcomp.core.compensation import COMPENSATION_CSV, Compensation
 from gravcomp.errors import InputError
+from gravcomp.facts import POSITION_ADDRESS_BITS, SPEED_ADDRESS_BITS
 from gravcomp.robot.machine import Drive
 
 PERIOD_BITS = 32
-MANTISSA_BITS = 3
+MANTISSA_BITS = SPEED_ADDRESS_BITS - PERIOD_BITS.bit_length()  # beside direction and exponent
 N_SPEEDS = PERIOD_BITS << MANTISSA_BITS  # nodes per direction
-N_POSITIONS = 256
+N_POSITIONS = 2**POSITION_ADDRESS_BITS
 FRACTION_BITS = q.OPERAND_BITS - 1  # of the place between two nodes
 MU_FRACTION = q.OPERAND_BITS - 1
 PHASE_BITS = 32

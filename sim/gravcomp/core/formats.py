@@ -21,11 +21,11 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.errors import InputError
+from gravcomp.facts import OPERAND_BITS
 from gravcomp.network.inputs import SIN_COS, axis_of_input, weight_columns
 from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, Network
 from gravcomp.robot.machine import ROBOT_TOML, Drive
 
-OPERAND_BITS = 18
 COUNT_BITS = 32
 FORCE_BITS = 24  # mN: +-8388 N
 CURRENT_BITS = 32  # uA

@@ -1,21 +1,17 @@
 """The image: all constants of a core that is built, as the words with which they are loaded into it at run time.
 
 A record is a whole number of 32-bit words, the low one first, its fields side by side from bit 0, signed ones in two's
-complement, the bits above them zero. In order:
+complement, the bits above them zero. The sections, in the order of gravcomp.facts.IMAGE_SECTIONS:
 
-    hidden layer        a record per neuron: weights of the inputs, bias
-    output layer        a record per neuron: weights of the outputs
-    friction, mu        a record per node: value, step; axis 1 first
-    position            likewise
-    scalars             one record: per axis lower and upper limit of the count, those of x, input scale, output bias,
-                        output scale, current scale, phase step
+    hidden, output          a record per neuron: weights of the inputs and bias; weights of the outputs
+    friction, mu, position  a record per node, axis 1 first: value, step
+    scalar                  one record: those of gravcomp.facts.IMAGE_SCALARS in order, axis 1 first
 
 Formats are those of the ROM that the core was built with. The image's CRC is CRC-32 (zlib) of its words as
 little-endian bytes.
 """
 
 import zlib
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,9 +22,10 @@ from gravcomp.core.compensator_tables import PHASE_STEP_BITS, FixedCompensation,
 from gravcomp.core.folder import load_folder
 from gravcomp.core.formats import FixedNetwork, quantise
 from gravcomp.errors import InputError
+from gravcomp.facts import IMAGE_SCALARS, IMAGE_SECTIONS, IMAGE_WORD_BITS
 from gravcomp.twin.precision import Precision, certified, precision
 
-WORD_BITS = 32
+Record = list[tuple[int, int]]  # (value, bits), the first one lowest
 
 
 @dataclass(frozen=True)
@@ -72,40 +69,43 @@ def load_image(folder: Path | str, rom: Path | str) -> Image:
 
 def image_words(network: FixedNetwork, compensation: FixedCompensation) -> np.ndarray:
     """The words (n,) of an image, uint32."""
-    records = [
-        [*_operands(weights), (bias, network.hidden_sum_bits)]
-        for weights, bias in zip(network.hidden_weights, network.hidden_bias, strict=True)
-    ]
-    records += [_operands(weights) for weights in network.output_weights.T]
-    for table in (compensation.friction, compensation.mu, compensation.position):
-        records += [_operands(node) for node in table.reshape(-1, 2)]
-    records += [_scalars(network, compensation)]
-    return np.array([word for record in records for word in _words(record)], dtype=np.uint32)
+    records = image_records(network, compensation)
+    words = [word for section in IMAGE_SECTIONS for record in records[section] for word in record_words(record)]
+    return np.array(words, dtype=np.uint32)
 
 
-def _operands(values: np.ndarray) -> list[tuple[int, int]]:
+def image_records(network: FixedNetwork, compensation: FixedCompensation) -> dict[str, list[Record]]:
+    """The records of each section."""
+    hidden = zip(network.hidden_weights, network.hidden_bias, strict=True)
+    records = {
+        "hidden": [[*_operands(weights), (bias, network.hidden_sum_bits)] for weights, bias in hidden],
+        "output": [_operands(weights) for weights in network.output_weights.T],
+        "scalar": [_scalars(network, compensation)],
+    }
+    for name in ("friction", "mu", "position"):
+        records[name] = [_operands(node) for node in getattr(compensation, name).reshape(-1, 2)]
+    return records
+
+
+def _operands(values: np.ndarray) -> Record:
     return [(value, q.OPERAND_BITS) for value in values]
 
 
-def _scalars(network: FixedNetwork, compensation: FixedCompensation) -> list[tuple[int, int]]:
-    fields = (
-        (network.count_low, q.COUNT_BITS),
-        (network.count_high, q.COUNT_BITS),
-        (network.x_low, q.OPERAND_BITS),
-        (network.x_high, q.OPERAND_BITS),
-        (network.input_scale, q.OPERAND_BITS),
-        (network.output_bias, network.output_sum_bits),
-        (network.output_scale, q.OPERAND_BITS),
-        (network.current_scale, q.OPERAND_BITS),
-        (compensation.phase_step, PHASE_STEP_BITS),
-    )
-    return [(value, bits) for values, bits in fields for value in values]
+def _scalars(network: FixedNetwork, compensation: FixedCompensation) -> Record:
+    widths = {
+        "count": q.COUNT_BITS,
+        "operand": q.OPERAND_BITS,
+        "output_sum": network.output_sum_bits,
+        "phase_step": PHASE_STEP_BITS,
+    }
+    values = vars(network) | {"phase_step": compensation.phase_step}
+    return [(value, widths[bits]) for name, bits in IMAGE_SCALARS.items() for value in values[name]]
 
 
-def _words(fields: Iterable[tuple[int, int]]) -> list[int]:
-    """The words of a record of (value, bits), first field lowest."""
-    record, low = 0, 0
-    for value, bits in fields:
-        record |= (int(value) & (1 << bits) - 1) << low
+def record_words(record: Record) -> list[int]:
+    """The words of a record."""
+    whole, low = 0, 0
+    for value, bits in record:
+        whole |= (int(value) & (1 << bits) - 1) << low
         low += bits
-    return [record >> bit & (1 << WORD_BITS) - 1 for bit in range(0, low, WORD_BITS)]
+    return [whole >> bit & (1 << IMAGE_WORD_BITS) - 1 for bit in range(0, low, IMAGE_WORD_BITS)]

@@ -6,21 +6,20 @@ what `gravcomp image` writes.
 
 import zlib
 from dataclasses import dataclass, fields
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 from pathlib import Path
 from typing import Protocol
 
 from gravcomp.core.folder import folder_hash
 from gravcomp.driver.registers import read_registers
+from gravcomp.facts import AXES, LOAD_KEY, WORDS_PER_KICK, Event
+from gravcomp.facts import State as Brakes
 from gravcomp.robot.machine import load_machine
 from gravcomp.twin.encoder import DecoderConfig
 
-AXES = 3
 CONTROL_POLLS = 1000
 WORD_MAX = 2**32 - 1
 PERIOD_MAX = MAGNITUDE_MAX = 2**31 - 1
-LOAD_KEY = 0x4B455953
-WORDS_PER_KICK = 64
 WRONG_CLOCK = "clock_hz: not that of the core; give that of the machine folder of its ROM, or build it with your ROM"
 
 
@@ -52,24 +51,6 @@ class Result(IntEnum):
     BAD_PERIOD = 8
     UNUSABLE = 9
     WRONG_CLOCK = 10
-
-
-class Brakes(IntEnum):
-    """States of the brakes, as in the register status."""
-
-    BRAKED = 0
-    HOLDING = 3
-    RUN = 5
-    FAULTED = 6
-
-
-class Event(IntFlag):
-    """What interrupts."""
-
-    RESULT = 1
-    FAULT = 2
-    MISSED_TICK = 4
-    CORE_STOPPED = 8
 
 
 @dataclass(frozen=True)
@@ -253,13 +234,13 @@ class Host:
         return Result.OK if arrived else Result.TIMEOUT
 
     def release(self, polls: int) -> Result:
-        result, brakes, cause = self.stop(), Brakes.FAULTED, 0
+        result, brakes, cause = self.stop(), Brakes.FAULT, 0
         while result == Result.OK and (brakes != Brakes.BRAKED or cause):
             if polls == 0:
                 return Result.FAULT if cause else Result.TIMEOUT
             polls -= 1
             brakes, cause = self._poll_brakes()
-            if brakes == Brakes.FAULTED and not cause:
+            if brakes == Brakes.FAULT and not cause:
                 self.clear_faults((1 << self._map["fault"].fields["clear"][1]) - 1)
         if result == Result.OK:
             result = self._control("enable", 1)
@@ -268,7 +249,7 @@ class Host:
                 return Result.TIMEOUT
             polls -= 1
             brakes, _ = self._poll_brakes()
-            if brakes == Brakes.FAULTED:
+            if brakes == Brakes.FAULT:
                 return Result.FAULT
         return result
 
@@ -340,10 +321,10 @@ class Host:
     def interrupt_on(self, events: int) -> None:
         self._write("interrupt_enable", events)
 
-    def interrupts(self) -> int:
+    def interrupts(self) -> Event:
         events = self._read("interrupt_status")
         self._write("interrupt_status", events)
-        return events
+        return Event(events)
 
     def _read(self, name: str, axis: int = 0) -> int:
         return self._bus.read(self._map[name].address + 4 * axis)

@@ -5,19 +5,10 @@ at which the inputs have the values that it is given. Sets of axes are words of 
 """
 
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import ClassVar
 
+from gravcomp.facts import State
 from gravcomp.twin.timeout import Timeout
-
-
-class State(IntEnum):
-    """Codes of gc_safety_pkg."""
-
-    BRAKED = 0b000
-    HOLDING = 0b011
-    RUN = 0b101
-    FAULT = 0b110
 
 
 class Sequencer:

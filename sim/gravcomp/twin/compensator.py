@@ -12,6 +12,7 @@ from gravcomp.core.compensator_tables import (
     PHASE_BITS,
     FixedCompensation,
 )
+from gravcomp.facts import POSITION_ADDRESS_BITS
 from gravcomp.robot.machine import Drive
 from gravcomp.twin.network import saturate
 
@@ -46,7 +47,7 @@ def friction(force_mn: np.ndarray, period: np.ndarray, fixed: FixedCompensation)
 def position_table(count: np.ndarray, fixed: FixedCompensation) -> np.ndarray:
     """gc_position_table: mN (..., n), from encoder counts (..., n)."""
     phase = np.asarray(count, dtype=np.int64) * fixed.phase_step & (2**PHASE_BITS - 1)
-    place = phase >> (PHASE_BITS - 8 - FRACTION_BITS)
+    place = phase >> (PHASE_BITS - POSITION_ADDRESS_BITS - FRACTION_BITS)
     return table(place >> FRACTION_BITS, place & (2**FRACTION_BITS - 1), fixed.position)
 
 

@@ -7,7 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-LATENCY = 6  # clocks from in_valid to out_valid, and the fewest between two results that are both taken
+from gravcomp.facts import DRIVE_CLOCKS
+
+LATENCY = DRIVE_CLOCKS  # also the fewest clocks between two results that are both taken
 
 
 def drive(inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

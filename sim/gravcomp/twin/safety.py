@@ -4,45 +4,13 @@ Element k of an array is the value just before rising clock edge k, as in gravco
 """
 
 from collections.abc import Callable, Mapping
-from enum import IntEnum
 
 import numpy as np
 
-from gravcomp.twin.brakes import BrakeOptions, Brakes, State
+from gravcomp.facts import ALWAYS, Cause, State
+from gravcomp.twin.brakes import BrakeOptions, Brakes
 from gravcomp.twin.encoder import NO_PERIOD, DecoderConfig, synchronizer
 from gravcomp.twin.timeout import Timeout, timeout
-
-
-class Cause(IntEnum):
-    """Bits of gc_safety_pkg."""
-
-    ESTOP = 0
-    ENCODER = 1
-    CRC = 2
-    ROM = 3
-    SPEED = 4
-    POSITION = 5
-    SATURATION = 6
-    WATCHDOG = 7
-    RESULT = 8
-    REFERENCE = 9
-    COMMAND = 10
-    HOLD = 11
-    BRAKE = 12
-    CLOCK = 13
-    CORE = 14
-    UPSET = 15
-
-    @property
-    def mask(self) -> int:
-        """The cause in a register of causes."""
-        return 1 << self
-
-
-# Faults while braked, too.
-ALWAYS = sum(
-    cause.mask for cause in (Cause.ESTOP, Cause.ENCODER, Cause.CRC, Cause.ROM, Cause.BRAKE, Cause.CORE, Cause.UPSET)
-)
 
 
 def safety(
@@ -138,7 +106,7 @@ def _present(inputs: Mapping[str, np.ndarray], period_shortest: int) -> np.ndarr
         | (inputs["in_upset"] != 0) << Cause.UPSET
         | (np.abs(period) < limit[:, None]).any(axis=1) << Cause.SPEED
         | ((count < low) | (count > high)).any(axis=1) << Cause.POSITION
-        | (~inputs["in_referenced"].all(axis=1)) << Cause.REFERENCE
+        | (~inputs["in_referenced"].all(axis=1)) << Cause.UNREFERENCED
     ).astype(np.int64)
     flags[rst] = 0
     is_saturated = inputs["in_saturated"].any(axis=1) | inputs["in_clamped"].any(axis=1)

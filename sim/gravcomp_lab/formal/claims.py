@@ -7,13 +7,12 @@ from pathlib import Path
 from gravcomp.core.compensation import no_compensation
 from gravcomp.core.compensator_tables import (
     FRICTION_BITS,
-    N_POSITIONS,
-    N_SPEEDS,
     PHASE_STEP_BITS,
     quantise_compensation,
 )
 from gravcomp.core.formats import COUNT_BITS, OPERAND_BITS, FixedNetwork, quantise
-from gravcomp.core.image import WORD_BITS, image_words
+from gravcomp.core.image import Record, image_records, record_words
+from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS, IMAGE_SECTIONS, IMAGE_WORD_BITS
 from gravcomp.network.weights import load_network
 from gravcomp_lab.formal.model_check import Verdict, induct, model_check, shortest_run
 from gravcomp_lab.formal.sums import hidden_sums, output_sums
@@ -84,7 +83,9 @@ CLAIMS = (
     Claim("lockstep", "gc_lockstep", {"bits_g": 4}, {"BITS": 4}),
     Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
     Claim("interrupts", "gc_bus_side"),
-    Claim("force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=16),
+    Claim(
+        "force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=COMPENSATOR_CLOCKS + CURRENT_SCALER_CLOCKS + 1
+    ),
 )
 
 
@@ -152,31 +153,23 @@ def _scalar_bits(fixed: FixedNetwork) -> dict[str, int]:
     return {"BIAS_BITS": fixed.output_sum_bits, "PHASE_BITS": PHASE_STEP_BITS}
 
 
+def _records(fixed: FixedNetwork) -> dict[str, list[Record]]:
+    """Records of an image of the network that is shipped, which comes without compensation."""
+    return image_records(fixed, quantise_compensation(no_compensation(fixed.n_axes), shipped_machine().drive))
+
+
 def _rom_scalars(fixed: FixedNetwork) -> str:
-    """The last record of an image of the network that is shipped, which comes without compensation."""
-    words = image_words(fixed, quantise_compensation(no_compensation(fixed.n_axes), shipped_machine().drive))
-    return _packed(words[-_scalar_words(fixed) :], WORD_BITS)
-
-
-def _scalar_words(fixed: FixedNetwork) -> int:
-    axis_bits = 2 * COUNT_BITS + 5 * OPERAND_BITS + fixed.output_sum_bits + PHASE_STEP_BITS
-    return -(-(fixed.n_axes * axis_bits) // WORD_BITS)
+    """The last record of an image."""
+    (scalars,) = _records(fixed)["scalar"]
+    return _packed(record_words(scalars), IMAGE_WORD_BITS)
 
 
 def _sections(fixed: FixedNetwork) -> dict[str, str]:
     """Records of each section of an image, and words of each of its records."""
-    n, nodes = fixed.n_axes, 2 * OPERAND_BITS
-    sections = (
-        (HIDDEN, n * OPERAND_BITS + fixed.hidden_sum_bits),
-        (HIDDEN, n * OPERAND_BITS),
-        (n * 2 * N_SPEEDS, nodes),
-        (n * 2 * N_SPEEDS, nodes),
-        (n * N_POSITIONS, nodes),
-        (1, _scalar_words(fixed) * WORD_BITS),
-    )
+    sections = [_records(fixed)[name] for name in IMAGE_SECTIONS]
     return {
-        "RECORDS": _packed([records for records, _ in sections], 16),
-        "WORDS": _packed([-(-bits // WORD_BITS) for _, bits in sections], 16),
+        "RECORDS": _packed([len(records) for records in sections], 16),
+        "WORDS": _packed([len(record_words(records[0])) for records in sections], 16),
     }
 
 
