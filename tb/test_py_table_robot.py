@@ -8,7 +8,6 @@ import pytest
 from gravcomp.cli import main
 from gravcomp.robot.machine import load_machine
 from gravcomp.robot.protocol import PoseError
-from gravcomp.training import training
 from gravcomp.training.training import Effort, training_and_test_set
 from mechanisms import mechanism_toml
 
@@ -73,7 +72,8 @@ def test_network_is_trained_on_a_table_alone_and_tested_on_rows_that_it_has_not_
     (tmp_path / "robot.toml").write_text(mechanism_toml({"one": "", "two": ""}, "absent.urdf"))
     out = tmp_path / "out"
     how = ["--robot", str(tmp_path), "--hidden", "12", "--starts", "1", "--data", str(samples), "--out", str(out)]
-    monkeypatch.setattr(training, "Effort", lambda: Effort(draws=3, tied_hops=2, hops=2, search_poses=200))
+    short = Effort(draws=3, tied_hops=2, hops=2, search_poses=200)
+    monkeypatch.setattr("gravcomp.training.training.Effort", lambda: short)
     assert main(["train", *how]) == 0
     machine, known = load_machine(out), json.loads((out / "provenance.json").read_text())
     assert (known["data"]["poses"], known["data"]["test_poses"]) == (720, 180)

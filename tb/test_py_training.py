@@ -2,10 +2,12 @@
 
 import json
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from arm import arm_toml
 from gravcomp.cli import main
 from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
@@ -23,6 +25,7 @@ from gravcomp.training.training import (
     RIDGE,
     Effort,
     as_network,
+    effort_of_size,
     evaluate,
     mean_square_error,
     one_blas_thread,
@@ -30,6 +33,7 @@ from gravcomp.training.training import (
     train,
     workspace_set,
 )
+from gravcomp.training.waves import waves_of
 from machines import MACHINE, SHIPPED, P, changed
 
 SHORT = Effort(draws=2, tied_hops=2, hops=2, search_poses=100)
@@ -213,3 +217,48 @@ def test_unwritable_folder_is_an_input_error(tmp_path):
 
 def test_parallel_runs_keep_their_order():
     assert run_parallel(divmod, [(n, 3) for n in range(7)], "threading", "test") == [divmod(n, 3) for n in range(7)]
+
+
+def planar_waves(n_poses: int):
+    """The waves of a planar arm of three joints, whose torques are cosines of angles summed from the base."""
+    machine = parse_machine(arm_toml(3), "an arm")
+    scaling, data = workspace_scaling(machine), workspace_set(n_poses, machine.robot, 1)
+    return waves_of(data.q, scaling.y(data.f), scaling), scaling, data
+
+
+def test_waves_of_a_planar_arm_are_the_sums_of_its_angles():
+    waves, scaling, _ = planar_waves(800)
+    found = waves.directions * scaling.q_scale
+    found /= np.abs(found).max()
+    wanted = np.tril(np.ones((3, 3)))
+    largest = found[np.argsort(-waves.shares)[:3]]
+    assert sorted(map(tuple, np.round(largest, 9))) == sorted(map(tuple, wanted))
+    assert waves.shares.sum() == pytest.approx(1.0)
+
+
+def test_neurons_along_waves_start_better_than_random_ones():
+    waves, scaling, data = planar_waves(400)
+    problem = Problem(scaling.x(data.q), scaling.y(data.f), 15, ACTIVATIONS["gamma"], None, RIDGE)
+    rng = np.random.default_rng(2)
+    along = [problem.at(waves.hidden(15, rng).ravel()).cost for _ in range(5)]
+    anywhere = [problem.at(random_hidden(15, 3, rng).ravel()).cost for _ in range(5)]
+    assert np.median(along) < 0.5 * np.median(anywhere)
+
+
+def test_what_is_no_wave_or_turns_by_sine_and_cosine_has_none():
+    """Linear axes; efforts that are noise; an axis whose sine and cosine the network sees."""
+    spheiro = workspace_set(300, MACHINE.robot, 1)
+    assert waves_of(spheiro.q, spheiro.f, workspace_scaling(MACHINE)) is None
+    _, scaling, data = planar_waves(400)
+    noise = np.random.default_rng(3).standard_normal(data.f.shape)
+    assert waves_of(data.q, noise, scaling) is None
+    turning = replace(scaling, inputs=("sin_cos", "position", "position"))
+    assert waves_of(data.q, scaling.y(data.f), turning) is None
+
+
+def test_a_larger_network_is_searched_as_long_as_a_small_one():
+    small, large = effort_of_size(20, 3, 3), effort_of_size(40, 12, 6)
+    assert small == Effort()
+    assert large.search_poses >= 2 * (40 * 13 + 6 * 41)
+    cost_of = lambda effort, columns: effort.hops * effort.search_poses * columns**2  # noqa: E731
+    assert cost_of(large, 40 * 14 + 1) < 2.5 * cost_of(small, 101)

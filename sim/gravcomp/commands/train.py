@@ -33,11 +33,12 @@ def run(arguments):
     from gravcomp.core.compensation import load_compensation
     from gravcomp.core.folder import MachineFolder, save_folder
     from gravcomp.core.provenance import write_provenance
+    from gravcomp.network.inputs import axis_of_input
     from gravcomp.network.weights import load_network
     from gravcomp.robot.machine import HARDWARE_ACTIVATION, load_machine
     from gravcomp.training.fine_tuning import retrained
     from gravcomp.training.samples import machine_of_samples
-    from gravcomp.training.training import Effort, evaluate, train, training_and_test_set
+    from gravcomp.training.training import effort_of_size, evaluate, train, training_and_test_set
 
     if arguments.out.exists() and not arguments.out.is_dir():
         raise InputError(f"{arguments.out}: is a file; give a folder")
@@ -50,6 +51,7 @@ def run(arguments):
         network, fit = retrained(load_network(folder), data, machine.drive, _ROUNDS)
         how = f"--from {folder}"
     else:
+        n_inputs = len(axis_of_input(machine.inputs))
         network, fit = train(
             data,
             machine,
@@ -58,7 +60,7 @@ def run(arguments):
             seed=arguments.seed,
             activation=machine.activation,
             backend=arguments.backend,
-            effort=Effort(),
+            effort=effort_of_size(arguments.hidden, n_inputs, machine.n_axes),
         )
         how = f"--robot {folder} --hidden {arguments.hidden} --starts {arguments.starts}"
     metrics = evaluate(network, data, unseen, machine.activation)

@@ -97,7 +97,9 @@ class Problem:
         # The neurons that carry the free parameters: of tied ones the last.
         bias_index = self.tie[: self.n_hidden_parameters].reshape(self.shapes[0])[:, -1]
         self.neurons = np.array(list({index: neuron for neuron, index in enumerate(bias_index)}.values()))
-        self.spread = np.eye(int(self.tie.max()) + 1)[self.tie]
+        # T, or None where nothing is tied: the products with it would cost as much as all the rest.
+        self.is_tied = not np.array_equal(self.tie, np.arange(n_parameters))
+        self.spread = np.eye(int(self.tie.max()) + 1)[self.tie] if self.is_tied else None
         # Kept from step to step: allocating it anew would cost as much as filling it.
         self._rows = np.empty((len(x), self.n_hidden_parameters + n_hidden + 1))
         # Its columns go by input, then neuron: long loops are fast; parameters go by neuron, then input.
@@ -111,13 +113,19 @@ class Problem:
         hidden = free_hidden[self.tie[: self.n_hidden_parameters]].reshape(self.shapes[0])
         sums = self.inputs @ hidden.T
         act = np.c_[self.activation.value(sums), np.ones(len(sums))]
-        spread = self.spread[self.n_hidden_parameters :, self.n_free_hidden :]
-        normal = spread.T @ (np.kron(np.eye(len(self.y.T)), act.T @ act) + np.diag(self.ridge)) @ spread
-        free_output = np.linalg.solve(normal, spread.T @ (self.y.T @ act).ravel())
-        output = (spread @ free_output).reshape(self.shapes[1])
+        output = self._best_output(act)
         error = self.y - act @ output.T
         cost = (np.sum(error**2) + np.sum(self.ridge * output.ravel() ** 2)) / error.size
         return Point(hidden, output, sums, act, error, cost)
+
+    def _best_output(self, act: np.ndarray) -> np.ndarray:
+        """The output layer [V b_o] of the least cost for act (N, h+1)."""
+        gram, right = act.T @ act, self.y.T @ act
+        if not self.is_tied:  # then every output has the same normal equations
+            return np.linalg.solve(gram + np.diag(self.ridge[: len(gram)]), right.T).T
+        spread = self.spread[self.n_hidden_parameters :, self.n_free_hidden :]
+        normal = spread.T @ (np.kron(np.eye(len(right)), gram) + np.diag(self.ridge)) @ spread
+        return (spread @ np.linalg.solve(normal, spread.T @ right.ravel())).reshape(self.shapes[1])
 
     def normal_equations(self, point: Point) -> tuple[np.ndarray, np.ndarray]:
         """J^T J (with the ridge) and J^T e over the free parameters, J = d(V act(W x + b_H) + b_o)/dp."""
@@ -135,6 +143,8 @@ class Problem:
         by_hidden = ((point.error @ point.output[:, :-1]) * slope).T @ self.inputs
         by_output = (point.error.T @ point.act).ravel() - self.ridge * point.output.ravel()
         rhs = np.concatenate([by_hidden.ravel(), by_output])
+        if not self.is_tied:
+            return normal, rhs
         return self.spread.T @ normal @ self.spread, self.spread.T @ rhs
 
 

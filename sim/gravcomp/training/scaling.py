@@ -11,7 +11,7 @@ from gravcomp.errors import InputError
 from gravcomp.network.inputs import POSITION, SIN_COS, inputs_of
 from gravcomp.robot.machine import Machine
 
-_LEAST_SHARE = 1.0 / 64.0  # of the largest scale of efforts: all have one format in hardware
+_LEAST_SHARE = 1.0 / 64.0  # of the largest scale of efforts in another unit: all have one format in hardware
 
 
 @dataclass(frozen=True)
@@ -51,14 +51,22 @@ def workspace_scaling(machine: Machine) -> Scaling:
             "or make [workspace] smaller"
         )
     half = (bounds.f_high - bounds.f_low) / 2.0
-    # An axis without load keeps the scale of the others; one with little gets what the common format can hold.
-    f_scale = np.where(half > 0, np.maximum(half, _LEAST_SHARE * half.max()), half.max() if half.max() > 0 else 1.0)
     turns = np.array([kind == SIN_COS for kind in machine.inputs])
     return Scaling(
         q_offset=np.where(turns, 0.0, (high + low) / 2.0),
         q_scale=np.where(turns, 1.0, 2.0 / (high - low)),
         f_offset=(bounds.f_high + bounds.f_low) / 2.0,
-        f_scale=f_scale,
+        f_scale=_effort_scale(half, machine.position_units),
         position_units=machine.position_units,
         inputs=machine.inputs,
     )
+
+
+def _effort_scale(half: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
+    """One scale per unit: an N or N m counts the same on every axis, so that the RMS error over all of them is least.
+
+    Where nothing in a unit bears a load it is 1, or what the common format of all scales can hold.
+    """
+    largest = {unit: max(h for h, own in zip(half, units, strict=True) if own == unit) for unit in units}
+    least = _LEAST_SHARE * max(largest.values())
+    return np.array([max(largest[unit], least) or 1.0 for unit in units])

@@ -7,8 +7,9 @@ The cost of a small network has many local minima; one start ends in a poor one 
 import numpy as np
 
 from gravcomp.training.levenberg_marquardt import Fit, Problem, Stop, levenberg_marquardt
+from gravcomp.training.waves import Waves
 
-# Hidden weights stay below this, so that 18-bit codes keep 15 fraction bits.
+# Hidden weights stay below this, so that 18-bit codes keep 15 fraction bits; waves may need steeper ones.
 WEIGHT_LIMIT = 4.0
 # Inputs lie in [-1, 1]^n: with |w| = |b| = 2.5 a neuron bends and saturates inside the cube.
 _REACH = 2.5
@@ -27,15 +28,18 @@ def random_hidden(n_hidden: int, n_inputs: int, rng: np.random.Generator) -> np.
     return _REACH * np.c_[direction, rng.uniform(-1.0, 1.0, n_hidden)]
 
 
-def best_of_draws(problem: Problem, n_draws: int, rng: np.random.Generator) -> Fit:
-    """The best of n_draws short runs from random starts; ones within the weight limit first."""
+def best_of_draws(problem: Problem, n_draws: int, rng: np.random.Generator, waves: Waves | None = None) -> Fit:
+    """The best of n_draws short runs from random starts, along waves where they are given; small weights first."""
     n_hidden, n_columns = problem.shapes[0]
-    fits = (levenberg_marquardt(problem, random_hidden(n_hidden, n_columns - 1, rng), _DRAW) for _ in range(n_draws))
-    return min(fits, key=lambda fit: (not _is_small(fit), fit.cost))
+    fits = []
+    for _ in range(n_draws):
+        start = waves.hidden(n_hidden, rng) if waves else random_hidden(n_hidden, n_columns - 1, rng)
+        fits.append(levenberg_marquardt(problem, start, _DRAW))
+    return min(fits, key=lambda fit: (not _is_small(fit, waves), fit.cost))
 
 
-def basin_hopping(problem: Problem, fit: Fit, n_hops: int, rng: np.random.Generator) -> Fit:
-    """The best network found by n_hops hops from fit."""
+def basin_hopping(problem: Problem, fit: Fit, n_hops: int, rng: np.random.Generator, waves: Waves | None = None) -> Fit:
+    """The best network found by n_hops hops from fit; waves: whose slopes weights may have."""
     best = current = fit
     idle = 0
     for _ in range(n_hops):
@@ -43,7 +47,7 @@ def basin_hopping(problem: Problem, fit: Fit, n_hops: int, rng: np.random.Genera
         if trial.cost < _PROBE_FACTOR * current.cost:
             trial = levenberg_marquardt(problem, trial.hidden, _SETTLE)
         idle += 1
-        if _is_small(trial) and trial.cost < current.cost * (1.0 + _HEAT * rng.exponential()):
+        if _is_small(trial, waves) and trial.cost < current.cost * (1.0 + _HEAT * rng.exponential()):
             current = trial
         if current.cost < best.cost:
             best, idle = current, 0
@@ -76,5 +80,6 @@ def _disturbed(hidden: np.ndarray, neurons: np.ndarray, rng: np.random.Generator
     return hidden
 
 
-def _is_small(fit: Fit) -> bool:
-    return bool(np.abs(fit.hidden[:, :-1]).max() < WEIGHT_LIMIT)
+def _is_small(fit: Fit, waves: Waves | None) -> bool:
+    limit = max(WEIGHT_LIMIT, 2.0 * float(np.abs(waves.directions).max())) if waves else WEIGHT_LIMIT
+    return bool(np.abs(fit.hidden[:, :-1]).max() < limit)

@@ -7,7 +7,7 @@ its weights are snapped to the 18-bit codes of the hardware and the output layer
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from joblib import Parallel, delayed, parallel_config
@@ -23,11 +23,13 @@ from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Sto
 from gravcomp.training.scaling import Scaling, workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws
 from gravcomp.training.symmetry import cyclic_images, cyclic_tie, is_cyclic
+from gravcomp.training.waves import waves_of
 
 # Small against the error that 20 neurons leave, large enough that output weights cannot grow without bound.
 RIDGE = 1e-9
 N_TEST_POSES = 8000
 _POLISH = Stop(steps=1500, stall=1e-5)
+_BASE_COLUMNS, _FEWEST = 101, 4  # of 3-20-3; draws and hops at least
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,21 @@ class Effort:
     tied_hops: int = 60
     hops: int = 200
     search_poses: int = 600
+
+
+def effort_of_size(n_hidden: int, n_inputs: int, n_outputs: int) -> Effort:
+    """As much time whatever the size: a larger network needs more poses and gets fewer draws and hops.
+
+    A step costs poses times the square of the Jacobian's columns.
+    """
+    base, columns = Effort(), n_hidden * (n_inputs + 2) + 1
+    n_parameters = n_hidden * (n_inputs + 1) + n_outputs * (n_hidden + 1)
+    poses = max(base.search_poses, 2 * n_parameters)
+    share = min(1.0, _BASE_COLUMNS**2 * base.search_poses / (columns**2 * poses))
+    draws, tied_hops, hops = (max(min(_FEWEST, n), round(share * n)) for n in (base.draws, base.tied_hops, base.hops))
+    if share == 1.0:
+        return base
+    return replace(base, draws=draws, tied_hops=tied_hops, hops=hops, search_poses=poses)
 
 
 def workspace_set(n_poses: int, robot: Robot, seed: int) -> TrainingSet:
@@ -99,8 +116,9 @@ def train(
     scaling = workspace_scaling(machine)
     x, y = scaling.x(data.q), scaling.y(data.f)
     symmetric = is_cyclic(machine.robot) and scaling.is_uniform
+    waves = waves_of(data.q, y, scaling)
     seeds = np.random.SeedSequence(seed).spawn(2 * n_starts)
-    common = (x[: effort.search_poses], y[: effort.search_poses], n_hidden, activation, symmetric, effort)
+    common = (x[: effort.search_poses], y[: effort.search_poses], n_hidden, activation, symmetric, effort, waves)
     first = run_parallel(draw_start, [(*common, s) for s in seeds[:n_starts]], backend, f"{n_hidden} neurons, starts")
     best = min(first, key=lambda fit: fit.cost)
     second = run_parallel(hop_on, [(*common, best, s) for s in seeds[n_starts:]], backend, f"{n_hidden} neurons, hops")
@@ -111,18 +129,18 @@ def train(
     return snapped(fit, problem, scaling, machine.drive), fit
 
 
-def draw_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, seed) -> Fit:
+def draw_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, waves, seed) -> Fit:
     """First round: random draws, then hops, with weights tied by the symmetry where there is one."""
     rng = np.random.default_rng(seed)
     tie = cyclic_tie(n_hidden, y.shape[1]) if symmetric else None
     problem = Problem(x, y, n_hidden, ACTIVATIONS[activation], tie, RIDGE)
-    return basin_hopping(problem, best_of_draws(problem, effort.draws, rng), effort.tied_hops, rng)
+    return basin_hopping(problem, best_of_draws(problem, effort.draws, rng, waves), effort.tied_hops, rng, waves)
 
 
-def hop_on(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, fit: Fit, seed) -> Fit:
+def hop_on(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, waves, fit: Fit, seed) -> Fit:
     """Second round: hops from the best of the first with all weights free."""
     problem = _problem(x, y, n_hidden, activation, symmetric)
-    return basin_hopping(problem, fit, effort.hops, np.random.default_rng(seed))
+    return basin_hopping(problem, fit, effort.hops, np.random.default_rng(seed), waves)
 
 
 def snapped(fit: Fit, problem: Problem, scaling: Scaling, drive: Drive) -> Network:
