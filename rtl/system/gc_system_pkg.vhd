@@ -194,80 +194,145 @@ end package gc_system_pkg;
 
 package body gc_system_pkg is
 
-  -- A field into a word from above, and out of it from below: whole fields, in the same order, find their places again.
+  -- A field changes places with the lowest bits of a word, which turns by as many: once round, word and record have
+  -- changed places. One list of fields for both ways.
 
-  procedure put (
-    variable word : inout std_ulogic_vector;
-    field         : std_ulogic
+  procedure exchange (
+    variable word  : inout std_ulogic_vector;
+    variable field : inout std_ulogic_vector
   ) is
-  begin
 
-    word := field & word(word'high downto 1);
+    constant low_c : std_ulogic_vector(field'length - 1 downto 0) := word(field'length - 1 downto 0);
 
-  end procedure put;
-
-  procedure put (
-    variable word : inout std_ulogic_vector;
-    field         : std_ulogic_vector
-  ) is
   begin
 
     word := field & word(word'high downto field'length);
+    field := low_c;
 
-  end procedure put;
+  end procedure exchange;
 
-  procedure put (
-    variable word : inout std_ulogic_vector;
-    field         : axis_words_t
+  procedure exchange (
+    variable word  : inout std_ulogic_vector;
+    variable field : inout std_ulogic
+  ) is
+
+    constant low_c : std_ulogic := word(0);
+
+  begin
+
+    word := field & word(word'high downto 1);
+    field := low_c;
+
+  end procedure exchange;
+
+  procedure exchange (
+    variable word  : inout std_ulogic_vector;
+    variable field : inout axis_words_t
   ) is
   begin
 
     for i in axis_words_t'range loop
 
-      put(word, field(i));
+      exchange(word, field(i));
 
     end loop;
 
-  end procedure put;
+  end procedure exchange;
 
-  procedure take (
-    variable word  : inout std_ulogic_vector;
-    variable field : out std_ulogic
+  procedure exchange (
+    variable word     : inout std_ulogic_vector;
+    variable commands : inout commands_t;
+    variable load     : inout load_t
   ) is
   begin
 
-    field := word(0);
-    word := '0' & word(word'high downto 1);
+    exchange(word, commands.start);
+    exchange(word, commands.kick);
+    exchange(word, commands.clear_encoder);
+    exchange(word, commands.clear_fault);
+    exchange(word, load.word);
+    exchange(word, load.is_word);
+    exchange(word, load.begin_image);
+    exchange(word, load.commit);
+    exchange(word, load.use_rom);
 
-  end procedure take;
+  end procedure exchange;
 
-  procedure take (
-    variable word  : inout std_ulogic_vector;
-    variable field : out std_ulogic_vector
-  ) is
-
-    constant none_c : std_ulogic_vector(field'length - 1 downto 0) := (others => '0');
-
-  begin
-
-    field := word(field'length - 1 downto 0);
-    word := none_c & word(word'high downto field'length);
-
-  end procedure take;
-
-  procedure take (
-    variable word  : inout std_ulogic_vector;
-    variable field : out axis_words_t
+  procedure exchange (
+    variable word     : inout std_ulogic_vector;
+    variable settings : inout settings_t
   ) is
   begin
 
-    for i in axis_words_t'range loop
+    exchange(word, settings.enable);
+    exchange(word, settings.tick_enable);
+    exchange(word, settings.home);
+    exchange(word, settings.tick_clocks);
+    exchange(word, settings.weights);
+    exchange(word, settings.current_limit);
+    exchange(word, settings.current_slew);
+    exchange(word, settings.period_min);
+    exchange(word, settings.saturation_clocks);
+    exchange(word, settings.watchdog_clocks);
+    exchange(word, settings.result_clocks);
+    exchange(word, settings.brake_clocks);
+    exchange(word, settings.command_bound);
+    exchange(word, settings.command_clocks);
+    exchange(word, settings.hold_clocks);
+    exchange(word, settings.brake_test_clocks);
+    exchange(word, settings.index_position);
+    exchange(word, settings.index_period);
+    exchange(word, settings.window_low);
+    exchange(word, settings.window_high);
+    exchange(word, settings.commands, settings.load);
+    exchange(word, settings.parity);
+    exchange(word, settings.once_parity);
 
-      take(word, field(i));
+  end procedure exchange;
 
-    end loop;
+  procedure exchange (
+    variable word  : inout std_ulogic_vector;
+    variable state : inout state_t
+  ) is
+  begin
 
-  end procedure take;
+    exchange(word, state.number);
+    exchange(word, state.missed);
+    exchange(word, state.safety);
+    exchange(word, state.released);
+    exchange(word, state.run);
+    exchange(word, state.feedback);
+    exchange(word, state.busy);
+    exchange(word, state.clamped);
+    exchange(word, state.saturated);
+    exchange(word, state.limited);
+    exchange(word, state.reached);
+    exchange(word, state.deviates);
+    exchange(word, state.referenced);
+    exchange(word, state.illegal);
+    exchange(word, state.glitch);
+    exchange(word, state.speed_valid);
+    exchange(word, state.speed_zero);
+    exchange(word, state.position);
+    exchange(word, state.period);
+    exchange(word, state.force_mn);
+    exchange(word, state.current);
+    exchange(word, state.command);
+    exchange(word, state.position_now);
+    exchange(word, state.cause);
+    exchange(word, state.fault);
+    exchange(word, state.first_cause);
+    exchange(word, state.fault_events);
+    exchange(word, state.first_position);
+    exchange(word, state.enable);
+    exchange(word, state.tick_enable);
+    exchange(word, state.home);
+    exchange(word, state.load_bad);
+    exchange(word, state.load_waiting);
+    exchange(word, state.bank);
+    exchange(word, state.bank_crc);
+
+  end procedure exchange;
 
   function any_of (
     load : load_t
@@ -301,19 +366,13 @@ package body gc_system_pkg is
     load     : load_t
   ) return once_t is
 
-    variable word_v : once_t := (others => '0');
+    variable commands_v : commands_t := commands;
+    variable load_v     : load_t     := load;
+    variable word_v     : once_t     := (others => '0');
 
   begin
 
-    put(word_v, commands.start);
-    put(word_v, commands.kick);
-    put(word_v, commands.clear_encoder);
-    put(word_v, commands.clear_fault);
-    put(word_v, load.word);
-    put(word_v, load.is_word);
-    put(word_v, load.begin_image);
-    put(word_v, load.commit);
-    put(word_v, load.use_rom);
+    exchange(word_v, commands_v, load_v);
 
     return word_v;
 
@@ -323,33 +382,12 @@ package body gc_system_pkg is
     settings : settings_t
   ) return settings_word_t is
 
-    variable word_v : settings_word_t := (others => '0');
+    variable settings_v : settings_t      := settings;
+    variable word_v     : settings_word_t := (others => '0');
 
   begin
 
-    put(word_v, settings.enable);
-    put(word_v, settings.tick_enable);
-    put(word_v, settings.home);
-    put(word_v, settings.tick_clocks);
-    put(word_v, settings.weights);
-    put(word_v, settings.current_limit);
-    put(word_v, settings.current_slew);
-    put(word_v, settings.period_min);
-    put(word_v, settings.saturation_clocks);
-    put(word_v, settings.watchdog_clocks);
-    put(word_v, settings.result_clocks);
-    put(word_v, settings.brake_clocks);
-    put(word_v, settings.command_bound);
-    put(word_v, settings.command_clocks);
-    put(word_v, settings.hold_clocks);
-    put(word_v, settings.brake_test_clocks);
-    put(word_v, settings.index_position);
-    put(word_v, settings.index_period);
-    put(word_v, settings.window_low);
-    put(word_v, settings.window_high);
-    put(word_v, once(settings.commands, settings.load));
-    put(word_v, settings.parity);
-    put(word_v, settings.once_parity);
+    exchange(word_v, settings_v);
 
     return word_v;
 
@@ -374,45 +412,12 @@ package body gc_system_pkg is
     state : state_t
   ) return state_word_t is
 
-    variable word_v : state_word_t := (others => '0');
+    variable state_v : state_t      := state;
+    variable word_v  : state_word_t := (others => '0');
 
   begin
 
-    put(word_v, state.number);
-    put(word_v, state.missed);
-    put(word_v, state.safety);
-    put(word_v, state.released);
-    put(word_v, state.run);
-    put(word_v, state.feedback);
-    put(word_v, state.busy);
-    put(word_v, state.clamped);
-    put(word_v, state.saturated);
-    put(word_v, state.limited);
-    put(word_v, state.reached);
-    put(word_v, state.deviates);
-    put(word_v, state.referenced);
-    put(word_v, state.illegal);
-    put(word_v, state.glitch);
-    put(word_v, state.speed_valid);
-    put(word_v, state.speed_zero);
-    put(word_v, state.position);
-    put(word_v, state.period);
-    put(word_v, state.force_mn);
-    put(word_v, state.current);
-    put(word_v, state.command);
-    put(word_v, state.position_now);
-    put(word_v, state.cause);
-    put(word_v, state.fault);
-    put(word_v, state.first_cause);
-    put(word_v, state.fault_events);
-    put(word_v, state.first_position);
-    put(word_v, state.enable);
-    put(word_v, state.tick_enable);
-    put(word_v, state.home);
-    put(word_v, state.load_bad);
-    put(word_v, state.load_waiting);
-    put(word_v, state.bank);
-    put(word_v, state.bank_crc);
+    exchange(word_v, state_v);
 
     return word_v;
 
@@ -422,45 +427,14 @@ package body gc_system_pkg is
     word : settings_word_t
   ) return settings_t is
 
-    variable left_v   : settings_word_t;
-    variable fields_v : settings_t;
+    variable settings_v : settings_t;
+    variable word_v     : settings_word_t := word;
 
   begin
 
-    left_v := word;
-    take(left_v, fields_v.enable);
-    take(left_v, fields_v.tick_enable);
-    take(left_v, fields_v.home);
-    take(left_v, fields_v.tick_clocks);
-    take(left_v, fields_v.weights);
-    take(left_v, fields_v.current_limit);
-    take(left_v, fields_v.current_slew);
-    take(left_v, fields_v.period_min);
-    take(left_v, fields_v.saturation_clocks);
-    take(left_v, fields_v.watchdog_clocks);
-    take(left_v, fields_v.result_clocks);
-    take(left_v, fields_v.brake_clocks);
-    take(left_v, fields_v.command_bound);
-    take(left_v, fields_v.command_clocks);
-    take(left_v, fields_v.hold_clocks);
-    take(left_v, fields_v.brake_test_clocks);
-    take(left_v, fields_v.index_position);
-    take(left_v, fields_v.index_period);
-    take(left_v, fields_v.window_low);
-    take(left_v, fields_v.window_high);
-    take(left_v, fields_v.commands.start);
-    take(left_v, fields_v.commands.kick);
-    take(left_v, fields_v.commands.clear_encoder);
-    take(left_v, fields_v.commands.clear_fault);
-    take(left_v, fields_v.load.word);
-    take(left_v, fields_v.load.is_word);
-    take(left_v, fields_v.load.begin_image);
-    take(left_v, fields_v.load.commit);
-    take(left_v, fields_v.load.use_rom);
-    take(left_v, fields_v.parity);
-    take(left_v, fields_v.once_parity);
+    exchange(word_v, settings_v);
 
-    return fields_v;
+    return settings_v;
 
   end function to_settings;
 
@@ -468,49 +442,14 @@ package body gc_system_pkg is
     word : state_word_t
   ) return state_t is
 
-    variable left_v   : state_word_t;
-    variable fields_v : state_t;
+    variable state_v : state_t;
+    variable word_v  : state_word_t := word;
 
   begin
 
-    left_v := word;
-    take(left_v, fields_v.number);
-    take(left_v, fields_v.missed);
-    take(left_v, fields_v.safety);
-    take(left_v, fields_v.released);
-    take(left_v, fields_v.run);
-    take(left_v, fields_v.feedback);
-    take(left_v, fields_v.busy);
-    take(left_v, fields_v.clamped);
-    take(left_v, fields_v.saturated);
-    take(left_v, fields_v.limited);
-    take(left_v, fields_v.reached);
-    take(left_v, fields_v.deviates);
-    take(left_v, fields_v.referenced);
-    take(left_v, fields_v.illegal);
-    take(left_v, fields_v.glitch);
-    take(left_v, fields_v.speed_valid);
-    take(left_v, fields_v.speed_zero);
-    take(left_v, fields_v.position);
-    take(left_v, fields_v.period);
-    take(left_v, fields_v.force_mn);
-    take(left_v, fields_v.current);
-    take(left_v, fields_v.command);
-    take(left_v, fields_v.position_now);
-    take(left_v, fields_v.cause);
-    take(left_v, fields_v.fault);
-    take(left_v, fields_v.first_cause);
-    take(left_v, fields_v.fault_events);
-    take(left_v, fields_v.first_position);
-    take(left_v, fields_v.enable);
-    take(left_v, fields_v.tick_enable);
-    take(left_v, fields_v.home);
-    take(left_v, fields_v.load_bad);
-    take(left_v, fields_v.load_waiting);
-    take(left_v, fields_v.bank);
-    take(left_v, fields_v.bank_crc);
+    exchange(word_v, state_v);
 
-    return fields_v;
+    return state_v;
 
   end function to_state;
 
