@@ -20,18 +20,18 @@ library work;
 
 entity gc_core_side is
   generic (
-    -- See gc_force_path.
-    lanes_g           : positive := 4;
-    filter_samples_g  : natural := 4;
-    speed_timeout_g   : positive := 10_000_000;
-    reversal_clocks_g : positive := 250;
-    dither_clocks_g   : positive := 40;
-    loadable_g        : boolean := false;
+    -- See gc_force_path. None has a default here: what is not handed on does not compile.
+    lanes_g           : positive;
+    filter_samples_g  : natural;
+    speed_timeout_g   : positive;
+    reversal_clocks_g : positive;
+    dither_clocks_g   : positive;
+    loadable_g        : boolean;
     -- See gc_safety; guard_g also: whether the parity of the settings is checked.
-    two_paths_g       : boolean := false;
-    brake_feedback_g  : boolean := false;
-    brake_test_g      : boolean := false;
-    guard_g           : boolean := false
+    two_paths_g       : boolean;
+    brake_feedback_g  : boolean;
+    brake_test_g      : boolean;
+    guard_g           : boolean
   );
   port (
     clk           : in    std_ulogic;

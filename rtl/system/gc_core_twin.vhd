@@ -19,16 +19,16 @@ library work;
 entity gc_core_twin is
   generic (
     -- See gc_core_side.
-    lanes_g           : positive := 4;
-    filter_samples_g  : natural := 4;
-    speed_timeout_g   : positive := 10_000_000;
-    reversal_clocks_g : positive := 250;
-    dither_clocks_g   : positive := 40;
-    loadable_g        : boolean := false;
-    two_paths_g       : boolean := false;
-    brake_feedback_g  : boolean := false;
-    brake_test_g      : boolean := false;
-    guard_g           : boolean := false
+    lanes_g           : positive;
+    filter_samples_g  : natural;
+    speed_timeout_g   : positive;
+    reversal_clocks_g : positive;
+    dither_clocks_g   : positive;
+    loadable_g        : boolean;
+    two_paths_g       : boolean;
+    brake_feedback_g  : boolean;
+    brake_test_g      : boolean;
+    guard_g           : boolean
   );
   port (
     clk           : in    std_ulogic;
