@@ -1,5 +1,6 @@
 """Robots of URDF and MJCF files: efforts by formulas written here, by the gradient of the energy, by MuJoCo itself."""
 
+import json
 import os
 from pathlib import Path
 from xml.etree import ElementTree
@@ -8,9 +9,14 @@ import numpy as np
 import pytest
 
 from gravcomp.cli import main
+from gravcomp.core.formats import quantise
+from gravcomp.network.weights import load_network
 from gravcomp.prototype.body import prototype_mjcf
 from gravcomp.robot.machine import load_machine
 from gravcomp.robot.protocol import HasPassiveJoints, PoseError
+from gravcomp.training.training import N_TEST_POSES, workspace_set
+from gravcomp.twin.network import core
+from gravcomp.twin.precision import MAX_SHARE
 from machines import MACHINE, P
 from mechanisms import SHIPPED_MECHANISMS, WEIGHTS, body, mechanism, mjcf, write_mechanism
 
@@ -363,3 +369,26 @@ def test_workspace_of_poses_is_its_rows(tmp_path):
     drawn = machine.robot.workspace(3, 1)
     assert sorted(map(tuple, drawn.tolist())) == [(-0.5, 0.6), (0.1, 0.2), (0.3, -0.4)]
     assert "poses.csv" in machine.files
+
+
+# RMS error in percent of the RMS effort, over poses that training has not seen, that a shipped network keeps.
+REACHED = {"slide": 0.01, "arm2": 0.1, "fivebar": 0.2}
+
+
+@pytest.mark.parametrize("name", REACHED)
+def test_shipped_network_holds_its_machine_and_fits_the_core(name, tmp_path):
+    folder = WEIGHTS / name
+    machine, known = load_machine(folder), json.loads((folder / "provenance.json").read_text())
+    unseen = workspace_set(N_TEST_POSES, machine.robot, known["data"]["test_seed"])
+    network = load_network(folder)
+    error = network.forces(unseen.q) - unseen.f
+    percent = 100 * float(np.sqrt(np.mean(error**2) / np.mean(unseen.f**2)))
+    print(f"MEASURED {name}: {percent:.3f} % RMS with {network.n_hidden} neurons")
+    assert percent <= REACHED[name]
+    assert percent == pytest.approx(known["metrics"]["test_rms_percent"], rel=1e-6)
+    assert main(["rom", "--weights", str(folder), "--out", str(tmp_path)]) == 0
+    fixed = quantise(network, machine.drive)
+    counts = machine.drive.counts(unseen.q)
+    exact = network.forces(machine.drive.positions(counts))
+    error_mn = core(counts, fixed).force_mn - 1000 * exact
+    assert np.sqrt(np.mean(error_mn**2)) <= 1000 * MAX_SHARE * float(network.f_scale.max())

@@ -259,6 +259,7 @@ def test_what_is_no_wave_or_turns_by_sine_and_cosine_has_none():
 def test_a_larger_network_is_searched_as_long_as_a_small_one():
     small, large = effort_of_size(20, 3, 3), effort_of_size(40, 12, 6)
     assert small == Effort()
+    assert effort_of_size(20, 3, 3, 0.1) == Effort(draws=6, tied_hops=6, hops=20)
     assert large.search_poses >= 2 * (40 * 13 + 6 * 41)
     cost_of = lambda effort, columns: effort.hops * effort.search_poses * columns**2  # noqa: E731
     assert cost_of(large, 40 * 14 + 1) < 2.5 * cost_of(small, 101)

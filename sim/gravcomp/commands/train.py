@@ -26,6 +26,9 @@ def add_arguments(parser):
     parser.add_argument("--starts", type=int, default=4, help="searches per round (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of poses and starts (default %(default)s)")
     parser.add_argument("--poses", type=int, default=3500, help="training poses (default %(default)s)")
+    parser.add_argument(
+        "--search", type=float, default=1.0, metavar="PART", help="of the usual draws and hops (default %(default)s)"
+    )
     parser.add_argument("--backend", choices=BACKENDS, default="loky", help="of joblib (default %(default)s)")
 
 
@@ -42,6 +45,8 @@ def run(arguments):
 
     if arguments.out.exists() and not arguments.out.is_dir():
         raise InputError(f"{arguments.out}: is a file; give a folder")
+    if not 0 < arguments.search <= 100:
+        raise InputError(f"--search {arguments.search:g}: give more than 0, 1 for the usual search, 100 at most")
     folder = arguments.robot or arguments.start
     machine = machine_of_samples(folder, arguments.data) if arguments.data else load_machine(folder)
     data, unseen = training_and_test_set(arguments.poses, machine.robot, arguments.seed)
@@ -60,9 +65,10 @@ def run(arguments):
             seed=arguments.seed,
             activation=machine.activation,
             backend=arguments.backend,
-            effort=effort_of_size(arguments.hidden, n_inputs, machine.n_axes),
+            effort=effort_of_size(arguments.hidden, n_inputs, machine.n_axes, arguments.search),
         )
         how = f"--robot {folder} --hidden {arguments.hidden} --starts {arguments.starts}"
+        how += f" --search {arguments.search:g}" if arguments.search != 1.0 else ""
     metrics = evaluate(network, data, unseen, machine.activation)
     save_folder(arguments.out, MachineFolder(machine, network, load_compensation(folder, machine.n_axes)))
     how += f" --data {arguments.data}" if arguments.data else ""

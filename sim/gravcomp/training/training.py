@@ -58,15 +58,15 @@ class Effort:
     search_poses: int = 600
 
 
-def effort_of_size(n_hidden: int, n_inputs: int, n_outputs: int) -> Effort:
+def effort_of_size(n_hidden: int, n_inputs: int, n_outputs: int, part: float = 1.0) -> Effort:
     """As much time whatever the size: a larger network needs more poses and gets fewer draws and hops.
 
-    A step costs poses times the square of the Jacobian's columns.
+    part: of that time. A step costs poses times the square of the Jacobian's columns.
     """
     base, columns = Effort(), n_hidden * (n_inputs + 2) + 1
     n_parameters = n_hidden * (n_inputs + 1) + n_outputs * (n_hidden + 1)
     poses = max(base.search_poses, 2 * n_parameters)
-    share = min(1.0, _BASE_COLUMNS**2 * base.search_poses / (columns**2 * poses))
+    share = part * min(1.0, _BASE_COLUMNS**2 * base.search_poses / (columns**2 * poses))
     draws, tied_hops, hops = (max(min(_FEWEST, n), round(share * n)) for n in (base.draws, base.tied_hops, base.hops))
     if share == 1.0:
         return base
