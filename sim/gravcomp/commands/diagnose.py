@@ -4,6 +4,7 @@ Writes report.json, model.toml and report.html to the folder of --out. Exit stat
 """
 
 import argparse
+from functools import reduce
 from pathlib import Path
 
 from gravcomp.files import check_folder, write_all_atomically
@@ -18,6 +19,8 @@ def add_arguments(parser):
     parser.add_argument(
         "--robot", type=Path, metavar="FOLDER", help="machine folder, or a model.toml; needless with fm columns"
     )
+    parser.add_argument("--also", nargs="+", type=Path, default=[], metavar="LOG",
+                        help="further logs of the same machine, such as what plan asked for")  # fmt: skip
     parser.add_argument("--seed", type=seed, default=0, help="draws the held-out blocks (default 0)")
     parser.add_argument("--units", nargs="+", default=[], metavar="NAME=SIZE",
                         help="size of the machine's own units: permille=0.05nm counts=1e-6m")  # fmt: skip
@@ -49,10 +52,13 @@ def diagnose_log(arguments, robot: Path | None) -> tuple:
     from gravcomp.diagnosis.report import report, report_json, text
     from gravcomp.diagnosis.report_html import report_html
     from gravcomp.logs.csv_reader import read_measurement
+    from gravcomp.logs.joining import joined
 
     check_folder(arguments.out)
     model = load_model(robot) if robot else Model()
-    data = read_measurement(arguments.data, model.machine, parse_units(arguments.units))
+    units = parse_units(arguments.units)
+    logs = [read_measurement(path, model.machine, units) for path in (arguments.data, *arguments.also)]
+    data = reduce(joined, logs)
     with tqdm(total=_STEPS, desc="diagnose", delay=2, leave=False, disable=None) as bar:
 
         def tick(what: str) -> None:

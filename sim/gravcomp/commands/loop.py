@@ -21,6 +21,7 @@ def add_arguments(parser):
     parser.add_argument("--seed", type=seed, default=0, help="of held-out blocks and training poses (default 0)")
     parser.add_argument("--units", nargs="+", default=[], metavar="NAME=SIZE", help="as in diagnose")
     parser.add_argument("--holdout", choices=("blocks", "reverse", "last"), default="blocks", help="as in diagnose")
+    parser.set_defaults(also=[])
 
 
 def run(arguments):

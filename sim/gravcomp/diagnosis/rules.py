@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from gravcomp.diagnosis.criterion import Criterion, Members
 from gravcomp.diagnosis.search import EMPTY, beam, climb, exchange, fits
 from gravcomp.diagnosis.thresholds import (
@@ -11,6 +13,7 @@ from gravcomp.diagnosis.thresholds import (
     PHYSICAL_PRICE,
     SAME_SCORE,
     TIE,
+    TINY,
     TRIFLE,
     TRIFLE_LEFT,
     VAGUE,
@@ -59,6 +62,7 @@ def _rivals(criterion: Criterion, members: Members) -> list[list[str]]:
     for j in sorted(criterion.effects_of(members)):
         rest, name = members - {j}, terms[j].name
         rivals = [k for k in criterion.effects if terms[k].name != name and fits(criterion, rest, k)]
+        rivals = [k for k in rivals if _has_room(criterion, members, j, k)]
         close = [(criterion.score(rest | {k}), (k,)) for k in rivals]
         simple = [k for k in rivals if terms[k].candidate.is_simple]
         close += [
@@ -72,6 +76,21 @@ def _rivals(criterion: Criterion, members: Members) -> list[list[str]]:
         if others:
             found.setdefault(name, [name]).extend(other for other in others if other not in found[name])
     return list(found.values())
+
+
+def _has_room(criterion: Criterion, members: Members, j: int, k: int) -> bool:
+    """Does this data leave room for term k, where it is a more general form of term j, to be more than that?
+
+    What it adds may be a trifle, of 95 % confidence: then k is j, and no rival of it.
+    """
+    terms, left = criterion.terms, criterion.left(members)
+    if terms[k].candidate.special_case != terms[j].name:
+        return True
+    variance = left / max(float(criterion.gram.independent.sum()), TINY)
+    gain = max(left - criterion.left(members - {j} | {k}), 0.0)
+    more = max(len(terms[k].labels) - len(terms[j].labels), 1)
+    most = (np.sqrt(gain) + 2.0 * np.sqrt(more * variance)) ** 2
+    return bool(most >= TRIFLE * (criterion.left(members - {j}) - left))
 
 
 def _simplest(criterion: Criterion, members: Members) -> Members:

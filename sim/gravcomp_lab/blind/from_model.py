@@ -5,6 +5,7 @@ vocabulary). Machines: the built-in robot, held or in slow motion; an arm of one
 with fm columns.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,17 +48,20 @@ def draw(kind: str, seed: int) -> Case:
     rng = np.random.default_rng([CASES.index(kind), seed])
     for _ in range(100):
         machine = rng.choice(["holds", "motion", "holds", "motion", "arm", "slide"])
-        data = _machine(machine, rng)
+        data = machine_log(machine, rng)
         noise = _noise(data, rng)
         if kind == "clean":
             return _case(data, kind, (), np.zeros(data.shape), noise, machine, 0.0, range(data.n_axes))
-        names = _unlisted_for(data) if kind == "unlisted" else _drawable(data)
+        names = _unlisted_for(data) if kind == "unlisted" else drawable(data)
         truth = tuple(str(name) for name in rng.choice(names, 2 if kind == "pair" else 1))
         if kind == "pair" and (truth[0] == truth[1] or any(same.issuperset(truth) for same in ONE_EFFECT)):
             continue
         force, axes, ratio = np.zeros(data.shape), (), 0.0
         for name in truth:
-            own, axes = _unlisted(name, data, rng) if kind == "unlisted" else _listed(name, data, rng)
+            if kind == "unlisted":
+                own, axes = _unlisted(name, data, rng)
+            else:
+                own, axes = listed(name, data, rng)(data), range(data.n_axes)
             size, rms = float(rng.uniform(1.0, 5.0)), np.sqrt(np.mean(own**2))
             if rms == 0:
                 break
@@ -73,7 +77,7 @@ def _case(data, kind, truth, force, noise, machine, ratio, axes) -> Case:
     return Case(measured, kind, truth, tuple(axes), noise, str(machine), ratio)
 
 
-def _machine(machine: str, rng) -> Measurement:
+def machine_log(machine: str, rng) -> Measurement:
     machine_folder = shipped_machine()
     p = machine_folder.robot.parameters
     temp = bool(rng.random() < 0.3)
@@ -138,7 +142,7 @@ def _noise(data, rng) -> np.ndarray:
     return e
 
 
-def _drawable(data) -> list[str]:
+def drawable(data) -> list[str]:
     names = ["coulomb_friction", "coulomb_friction", "viscous_friction", "stribeck_friction", "cogging",
              "current_offset", "cable_spring", "thermal_drift"]  # fmt: skip
     if data.n_axes > 1 or data.unit == "Nm":
@@ -151,8 +155,10 @@ def _drawable(data) -> list[str]:
     return names
 
 
-def _listed(name: str, data, rng) -> tuple[np.ndarray, range]:
-    """Force of one effect of ordinary proportions; its size comes later."""
+def listed(name: str, data, rng) -> Callable[[Measurement], np.ndarray]:
+    """One effect of ordinary proportions on this data: its force (n, k) on any data of the machine; its size comes
+    later.
+    """
     effect = effect_named(name)
     if name == "cogging":
         span = np.ptp(data.q, axis=0).max()
@@ -164,7 +170,7 @@ def _listed(name: str, data, rng) -> tuple[np.ndarray, range]:
         if name == "stribeck_friction":
             top = np.quantile(np.abs(data.v), 0.95, axis=0)
             shape = {f"vs_{i + 1}": float(rng.uniform(0.1, 0.4) * top[i]) for i in range(data.n_axes)}
-    force = np.zeros(data.shape)
+    coefficients, force = {}, np.zeros(data.shape)
     for label, column in effect.columns(data, shape).items():
         if label.startswith(("c_", "level_")) and effect.per_axis:
             continue
@@ -173,10 +179,15 @@ def _listed(name: str, data, rng) -> tuple[np.ndarray, range]:
         factor /= max(np.sqrt(np.mean(column**2)), 1e-300)
         if name == "stribeck_friction":
             factor = rng.uniform(1.6, 2.5) if label.startswith("fs") else rng.uniform(0.6, 1.0)
-        force = force + factor * column
-    if name == "coulomb_friction" and rng.random() < 0.4:
-        force = force + np.where(data.direction > 0, 0.4, 0.0) * np.abs(force).max()
-    return force, range(data.n_axes)
+        coefficients[label], force = factor, force + factor * column
+    more_forward = 0.4 * np.abs(force).max() if name == "coulomb_friction" and rng.random() < 0.4 else 0.0
+
+    def of(other: Measurement) -> np.ndarray:
+        columns = effect.columns(other, shape)
+        own = sum((factor * columns[label] for label, factor in coefficients.items()), np.zeros(other.shape))
+        return own + np.where(other.direction > 0, more_forward, 0.0) if more_forward else own
+
+    return of
 
 
 def _unlisted_for(data) -> list[str]:
