@@ -80,16 +80,15 @@ budget: setup ## operations per inference: counted in NumPy, counted in the runn
 	@$(LAB) budget --weights "$(WEIGHTS)"
 
 latency: setup ## initiation interval and latency per number of lanes, measured in simulation
-	@$(PYTEST) -q -n auto tb/test_rtl_core.py
-	@$(LAB) latency
+	@$(LAB) latency --weights "$(WEIGHTS)"
 
 formats: setup ## what every signal of the core can hold over all counts; fixed point against float
 	@$(RUN)/gravcomp formats --weights "$(WEIGHTS)"
 
-docs: sim latency budget ## docs/measured/results.md and its pictures, from fresh runs
+docs: sim budget ## docs/measured/results.md and its pictures, from fresh runs
 	@set -e; { echo "# Results"; echo; echo "Written by \`make docs\`."; \
 	   echo; echo "## End to end"; echo; $(LAB) sim-report --weights "$(WEIGHTS)" --pictures docs/measured/figures; \
-	   echo; echo "## Interval and latency"; echo; $(LAB) latency; \
+	   echo; echo "## Interval and latency"; echo; $(LAB) latency --weights "$(WEIGHTS)"; \
 	   echo; echo "## Operations"; echo; $(LAB) budget --weights "$(WEIGHTS)"; \
 	   echo; echo "## Fixed point"; echo; $(RUN)/gravcomp formats --weights "$(WEIGHTS)"; } >build/results.md
 	@mv build/results.md docs/measured/results.md
@@ -113,10 +112,10 @@ next-motion: setup ## does one planned measurement leave one name? docs/measured
 table2: setup ## the paper's Table 2 on the virtual prototype; docs/measured/table2.md
 	@$(LAB) table2
 
-synth: latency ## area and clock of the core with 1, 4 and 20 lanes, placed and routed on ECP5; docs/measured/synthesis.md
+synth: setup ## area and clock of the core with 1, 4 and 20 lanes, placed and routed on ECP5; docs/measured/synthesis.md
 	@$(LAB) synth --docs docs/measured
 
-synth-all: latency ## the same with 1, 2, 4, 5, 10 and 20 lanes
+synth-all: setup ## the same with 1, 2, 4, 5, 10 and 20 lanes
 	@$(LAB) synth --lanes 1 2 4 5 10 20 --docs docs/measured
 
 gatesim: setup ## the core as GHDL's Verilog, as generic and as ECP5 netlist passes the tests of the VHDL, under Icarus

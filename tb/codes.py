@@ -1,58 +1,23 @@
-"""Integer codes to and from packed ports: value 0 lowest, two's complement."""
+"""What tests and the lab's benches share, by the name that tests know it by."""
 
-import os
-from collections.abc import Iterable
-from pathlib import Path
+from gravcomp_lab.benches.codes import (
+    ROOT,
+    corners_and_random,
+    fixed_compensation,
+    fixed_network,
+    hash_under_test,
+    pack,
+    unpack,
+    weights_under_test,
+)
 
-import numpy as np
-
-from gravcomp.core.compensation import load_compensation
-from gravcomp.core.compensator_tables import FixedCompensation, quantise_compensation
-from gravcomp.core.folder import folder_hash
-from gravcomp.core.formats import FixedNetwork, quantise
-from gravcomp.network.weights import load_network
-from gravcomp.robot.machine import load_machine
-
-ROOT = Path(__file__).resolve().parents[1]
-
-
-def weights_under_test() -> Path:
-    """The weights folder that the ROM under test was made from: weights/spheiro, or the one in WEIGHTS."""
-    return ROOT / os.environ.get("WEIGHTS", "weights/spheiro")
-
-
-def hash_under_test() -> str:
-    """SHA-256 of the machine folder under test, as its ROM tells it."""
-    folder = weights_under_test()
-    return folder_hash(folder, load_machine(folder))
-
-
-def fixed_network() -> FixedNetwork:
-    """The network under test as the hardware holds it."""
-    return quantise(load_network(weights_under_test()), load_machine(weights_under_test()).drive)
-
-
-def fixed_compensation() -> FixedCompensation:
-    """The compensator's tables under test as the hardware holds them."""
-    folder = weights_under_test()
-    constants = load_compensation(folder, fixed_network().n_axes)
-    return quantise_compensation(constants, load_machine(folder).drive, folder)
-
-
-def pack(values: Iterable[int], bits: int) -> int:
-    """Unsigned integer that holds the values side by side, value 0 lowest."""
-    return sum((int(value) & (1 << bits) - 1) << bits * i for i, value in enumerate(values))
-
-
-def unpack(packed: Iterable[int], bits: int, n_values: int) -> np.ndarray:
-    """Signed values (k, n_values) of k packed integers: the inverse of pack."""
-    sign, mask = 1 << bits - 1, (1 << bits) - 1
-    return np.array([[((word >> bits * i & mask) ^ sign) - sign for i in range(n_values)] for word in packed])
-
-
-def corners_and_random(bits: int, shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
-    """Signed codes (..., n): uniform, with one in four replaced by a corner of the format (extremes, 0, +-1)."""
-    low, high = -(1 << bits - 1), (1 << bits - 1) - 1
-    values = rng.integers(low, high, shape, endpoint=True)
-    corners = rng.choice([low, low + 1, -1, 0, 1, high - 1, high], shape)
-    return np.where(rng.random(shape) < 0.25, corners, values)
+__all__ = (
+    "ROOT",
+    "corners_and_random",
+    "fixed_compensation",
+    "fixed_network",
+    "hash_under_test",
+    "pack",
+    "unpack",
+    "weights_under_test",
+)

@@ -33,14 +33,14 @@ def simulate(
     tests: str | None = None,
     label: str = "",
     vcd: Path | None = None,
-) -> None:
+) -> dict:
     """Run the cocotb tests of test_module (a module of tb/) on an entity of rtl/; AssertionError when one fails.
 
     verilog: files to simulate in place of rtl/. label tells apart builds that share entity and generics. The rest is
     that of ``simulator.simulate``.
     """
     name = "-".join([test_module, label, *(f"{k}{v}" for k, v in (generics or {}).items())])
-    simulator.simulate(
+    return simulator.simulate(
         entity,
         test_module,
         sources=verilog or [*rtl_sources(generated), *extra_sources],

@@ -13,7 +13,6 @@ RUN_HEADER = "set,count1,count2,count3,f1_mn,f2_mn,f3_mn\n"
     ("command", "name", "damaged"),
     [
         (["budget", *WEIGHTS, "--rtl", "budget.json"], "budget.json", ["{", "[1]", '[{"kind": "sums"}]']),
-        (["latency", "--build", "."], "core-3-20-4.json", ["{", "[1]", '{"lanes": 4}']),
         (["sim-report", *WEIGHTS, "--run", "."], "poses.csv", ["", RUN_HEADER, RUN_HEADER + "a,b,c,d,e,f,g\n"]),
     ],
 )
@@ -36,3 +35,8 @@ def test_report_refuses_a_damaged_waveform_before_it_draws(tmp_path, capsys):
     printed = capsys.readouterr()
     assert (printed.out, printed.err.count("\n")) == ("", 1)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["poses.csv", "run.vcd"]
+
+
+def test_latency_of_a_core_is_measured_by_the_command(tmp_path, capsys):
+    assert main(["latency", *WEIGHTS, "--rtl", str(ROOT / "rtl"), "--lanes", "4", "--build", str(tmp_path)]) == 0
+    assert "| 4 | 5 | 23 | 0.575 |" in capsys.readouterr().out

@@ -5,13 +5,12 @@ file anew; the difference is for review.
 """
 
 import csv
-import json
 import os
-import subprocess
 
 import pytest
 
 from gravcomp.errors import InputError
+from gravcomp_lab.__main__ import main
 from gravcomp_lab.synthesis.place_route import place_and_route, prepare
 from gravcomp_lab.synthesis.report import picture, tables
 from gravcomp_lab.synthesis.survey import MULTIPLIER, TOP, Result
@@ -182,10 +181,7 @@ def test_picture_shows_every_number_of_lanes():
     assert [text.split()[0] for text in texts] == ["4", "1"]
 
 
-def test_command_refuses_a_missing_measurement(tmp_path):
-    command = [str(ROOT / ".venv/bin/python"), "-m", "gravcomp_lab", "synth", "--lanes", "1", "--build", str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
-    assert done.returncode == 2
-    assert "make latency" in done.stderr
-    (tmp_path / "core-3-20-1.json").write_text(json.dumps({"interval": 20}))
-    assert subprocess.run(command, capture_output=True, cwd=ROOT, check=False).returncode == 2
+def test_command_refuses_a_folder_without_rtl(tmp_path, capsys):
+    for command in (["synth", "--lanes", "1"], ["latency"]):
+        assert main([*command, "--rtl", str(tmp_path), "--build", str(tmp_path)]) == 2
+        assert f"{tmp_path}: no sources.f" in capsys.readouterr().err

@@ -8,8 +8,8 @@ from codes import pack, unpack
 from gravcomp.core.formats import OPERAND_BITS
 from gravcomp.facts import ACTIVATION_CLOCKS
 from gravcomp.twin.network import activation
+from gravcomp_lab.benches.stream import after_resets, latencies, start, stream
 from runner import simulate
-from stream import after_resets, latencies, start, stream
 
 CODES = np.arange(-(2 ** (OPERAND_BITS - 1)), 2 ** (OPERAND_BITS - 1))
 

@@ -16,7 +16,8 @@ from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.robot.machine import parse_machine
 from gravcomp.training.training import Effort, train, workspace_set
 from gravcomp.twin import network as bittrue
-from runner import BUILD, simulate
+from runner import BUILD
+from test_rtl_core import check_core
 
 COUNTS_PER_TURN, AMPERE_PER_NM = 100_000, np.array([1 / 40, 1 / 20])
 MASSES_KG, LENGTHS_M = np.array([3.0, 2.1]), np.array([0.4, 0.28])  # of arm_toml(2)
@@ -64,10 +65,8 @@ def test_arm_holds_its_links_in_nm_at_counts_of_a_turn(trained):
 
 
 def test_arm_in_the_rtl_equals_its_model(trained):
-    simulate(
-        "gc_core",
-        "test_rtl_core",
-        generics={"lanes_g": LANES},
+    check_core(
+        LANES,
         environment={"WEIGHTS": str(trained)},
         generated=trained.parent / "generated",
         tests=r"\.(back_to_back|random_gaps)$",

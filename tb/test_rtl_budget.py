@@ -16,9 +16,9 @@ from cocotb.triggers import FallingEdge, Timer
 from codes import fixed_network, pack
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.network.weights import load_network
+from gravcomp_lab.benches.stream import start
 from gravcomp_lab.paper.operations import count_network_operations
 from runner import BUILD, ROOT, simulate
-from stream import start
 
 LAYERS = ("input_scaler", "hidden_lane", "activation", "output_layer", "output_scaler")
 

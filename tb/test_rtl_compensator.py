@@ -13,8 +13,8 @@ from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.facts import COMPENSATOR_CLOCKS
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator, friction
+from gravcomp_lab.benches.stream import latencies, start, stream
 from runner import BUILD, simulate
-from stream import latencies, start, stream
 from test_rtl_force_path import Bench
 
 OUTPUTS = ["out_force", "out_saturated"]

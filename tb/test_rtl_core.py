@@ -1,38 +1,27 @@
 """gc_core at every lanes_g: forces and flags equal the bit-true model; interval, latency, gaps, reset in mid-stream."""
 
-import json
 import os
-import time
+from unittest.mock import patch
 
 import cocotb
 import numpy as np
 import pytest
 from cocotb.triggers import FallingEdge
 
-from codes import corners_and_random, fixed_network, pack, unpack
+from codes import fixed_network, pack, unpack
 from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.twin import network as bittrue
-from runner import BUILD, simulate
-from stream import latencies, start, stream
-
-LANES = [1, 2, 4, 5, 10, 20]
-OUTPUTS = ["out_force", "out_clamped", "out_saturated"]
-
-
-def draw_counts(n_poses: int, rng: np.random.Generator) -> np.ndarray:
-    """Counts over the trained range, one in eight a corner of 32 bits or of the range."""
-    fixed = fixed_network()
-    shape = (n_poses, fixed.n_axes)
-    counts = rng.integers(fixed.count_low, fixed.count_high, shape, endpoint=True)
-    edges = rng.choice(
-        np.concatenate([fixed.count_low + k for k in (-1, 0)] + [fixed.count_high + k for k in (0, 1)]), shape
-    )
-    odd = np.where(rng.random(shape) < 0.5, edges, corners_and_random(COUNT_BITS, shape, rng))
-    return np.where(rng.random(shape) < 0.125, odd, counts)
-
-
-def inputs_of(counts: np.ndarray) -> list[dict[str, int]]:
-    return [{"in_count": pack(row, COUNT_BITS)} for row in counts]
+from gravcomp_lab.benches.core import (
+    LANES,
+    OUTPUTS,
+    CoreRun,
+    back_to_back,  # noqa: F401, cocotb finds it here
+    draw_counts,
+    inputs_of,
+    run_of,
+)
+from gravcomp_lab.benches.stream import start, stream
+from runner import simulate
 
 
 def assert_equal_to_model(recording, counts: np.ndarray) -> None:
@@ -42,28 +31,6 @@ def assert_equal_to_model(recording, counts: np.ndarray) -> None:
     np.testing.assert_array_equal(unpack(recording.outputs["out_force"], FORCE_BITS, n), expected.force_mn)
     np.testing.assert_array_equal(unpack(recording.outputs["out_clamped"], 1, n) != 0, expected.clamped)
     np.testing.assert_array_equal(unpack(recording.outputs["out_saturated"], 1, n) != 0, expected.saturated)
-
-
-@cocotb.test()
-async def back_to_back(dut):
-    """Interval and latency are exactly those of the header; nothing is lost or invented."""
-    lanes, fixed = int(os.environ["LANES_G"]), fixed_network()
-    steps = fixed.n_hidden // lanes
-    counts = draw_counts(40 * min(lanes, 5), np.random.default_rng(10))
-    await start(dut)
-    began = time.perf_counter()
-    got = await stream(dut, inputs_of(counts), OUTPUTS, has_ready=True)
-    clocks_per_s = (got.valid[-1] + 1) / (time.perf_counter() - began)
-    assert_equal_to_model(got, counts)
-    assert set(np.diff(got.accepted)) == {steps}
-    is_once = steps == 1
-    trees = int(np.ceil(np.log2(fixed.n_axes + 1))) + int(np.ceil(np.log2(lanes + is_once)))
-    in_turn = 2 * fixed.n_axes if fixed.n_axes > 1 else 0  # clocks of the shared multipliers
-    extra = 3 if is_once else in_turn + 2 if lanes == 1 else 0
-    (latency,) = latencies(got)
-    assert latency == 14 + steps + trees + extra
-    measured = {"lanes": lanes, "interval": steps, "latency": latency, "simulated_clocks_per_s": round(clocks_per_s)}
-    (BUILD / f"core-{fixed.n_axes}-{fixed.n_hidden}-{lanes}.json").write_text(json.dumps(measured))
 
 
 @cocotb.test()
@@ -112,13 +79,36 @@ async def reset_in_mid_stream(dut):
         assert_equal_to_model(got, counts)
 
 
+def assert_run_is_right(run: CoreRun, lanes: int) -> None:
+    """Interval and latency are exactly those of the header; nothing is lost or invented; all equals the model."""
+    fixed = fixed_network()
+    expected = bittrue.core(run.count, fixed)
+    for name in ("force_mn", "clamped", "saturated"):
+        np.testing.assert_array_equal(getattr(run, name), getattr(expected, name))
+    steps = fixed.n_hidden // lanes
+    assert run.interval == steps
+    is_once = steps == 1
+    trees = int(np.ceil(np.log2(fixed.n_axes + 1))) + int(np.ceil(np.log2(lanes + is_once)))
+    in_turn = 2 * fixed.n_axes if fixed.n_axes > 1 else 0  # clocks of the shared multipliers
+    extra = 3 if is_once else in_turn + 2 if lanes == 1 else 0
+    assert run.latency == 14 + steps + trees + extra
+
+
+def check_core(lanes: int, **options) -> None:
+    """Simulate the core with all tests of this module, or those of another one."""
+    module = options.pop("module", "test_rtl_core")
+    generics = {"lanes_g": lanes, **options.pop("generics", {})}
+    with patch.dict(os.environ, options.get("environment", {})):  # the machine under test, for the model too
+        assert_run_is_right(run_of(simulate("gc_core", module, generics=generics, **options)), lanes)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("lanes", LANES)
 def test_core_equals_model_at_its_interval_and_latency(lanes):
-    simulate("gc_core", "test_rtl_core", generics={"lanes_g": lanes})
+    check_core(lanes)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("lanes", [1, 4])
 def test_loadable_core_with_its_rom_has_the_same_interval_and_latency(lanes):
-    simulate("gc_core", "test_rtl_core", generics={"lanes_g": lanes, "loadable_g": "true"})
+    check_core(lanes, generics={"loadable_g": "true"})

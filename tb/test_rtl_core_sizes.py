@@ -7,7 +7,7 @@ from arm import arm_toml
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.weights import Network
 from machines import machine_folder
-from runner import simulate
+from test_rtl_core import check_core
 
 
 def random_network(n_axes: int, n_hidden: int) -> Network:
@@ -32,11 +32,4 @@ def test_core_takes_its_sizes_from_the_rom(n_axes, n_hidden, lanes, tmp_path):
     folder, generated = tmp_path / "weights", tmp_path / "generated"
     machine_folder(folder, random_network(n_axes, n_hidden), arm_toml(n_axes))
     write_rom(folder, generated)
-    simulate(
-        "gc_core",
-        "test_rtl_core",
-        generics={"lanes_g": lanes},
-        environment={"WEIGHTS": str(folder)},
-        generated=generated,
-        label=f"{n_axes}-{n_hidden}",
-    )
+    check_core(lanes, environment={"WEIGHTS": str(folder)}, generated=generated, label=f"{n_axes}-{n_hidden}")

@@ -7,9 +7,9 @@ from codes import corners_and_random, fixed_network, pack, unpack
 from gravcomp.core.formats import CURRENT_BITS, FORCE_BITS
 from gravcomp.facts import CURRENT_SCALER_CLOCKS
 from gravcomp.twin.network import current_scaler
+from gravcomp_lab.benches.stream import after_resets, latencies, start, stream
 from machines import MACHINE
 from runner import simulate
-from stream import after_resets, latencies, start, stream
 
 
 @cocotb.test()

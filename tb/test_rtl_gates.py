@@ -1,16 +1,15 @@
 """gc_core as Verilog and as netlists passes the tests of tb/test_rtl_core.py, bit for bit, under Icarus."""
 
-import os
 from pathlib import Path
 
 import pytest
 
-import test_rtl_core
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 from gravcomp_lab.synthesis.yosys import synthesise
-from runner import BUILD, ROOT, RTL, simulate
+from runner import BUILD, ROOT, RTL
 from test_rtl_core import (  # noqa: F401, cocotb finds them here
     back_to_back,
+    check_core,
     random_gaps,
     ready_at_its_interval,
     reset_in_mid_stream,
@@ -19,12 +18,6 @@ from test_rtl_core import (  # noqa: F401, cocotb finds them here
 GATES = BUILD / "gates"
 ECP5_MODELS = ROOT / "tb" / "gates" / "ecp5.v"
 ECP5_MULTIPLY = RTL / "ecp5" / "gc_multiply_18_18.v"
-
-# Interval and latency are those of the VHDL; the speed of simulation is not, so it goes elsewhere.
-test_rtl_core.BUILD = GATES
-draw_counts = test_rtl_core.draw_counts
-# Gates are simulated slowly: a test may be given fewer poses.
-test_rtl_core.draw_counts = lambda n, rng: draw_counts(min(n, int(os.environ.get("POSES", n))), rng)
 
 
 def ghdl_verilog(lanes: int) -> Path:
@@ -41,8 +34,7 @@ def netlist(lanes: int, target: str) -> list[Path]:
 
 
 def run(lanes: int, kind: str, verilog: list[Path], **environment: str) -> None:
-    generics = {"lanes_g": lanes}
-    simulate("gc_core", "test_rtl_gates", generics=generics, label=kind, verilog=verilog, environment=environment)
+    check_core(lanes, module="test_rtl_gates", label=kind, verilog=verilog, environment=environment)
 
 
 @pytest.mark.parametrize("lanes", [1, 4, pytest.param(20, marks=[pytest.mark.slow, pytest.mark.gatesim])])

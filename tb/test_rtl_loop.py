@@ -34,10 +34,10 @@ from gravcomp.loop.loop import (
 from gravcomp.training.training import workspace_set
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
+from gravcomp_lab.benches.stream import start, stream
 from machines import MACHINE, SHIPPED
 from measured_samples import write_log
 from runner import simulate
-from stream import start, stream
 from support.board import Board
 
 LOOP = Path(os.environ.get("LOOP", "")).resolve()

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from codes import corners_and_random, pack, unpack
+from gravcomp_lab.benches.stream import after_resets, latencies, start, stream
 from runner import simulate
-from stream import after_resets, latencies, start, stream
 
 
 @cocotb.test()

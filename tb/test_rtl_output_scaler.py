@@ -9,8 +9,8 @@ import pytest
 from codes import corners_and_random, fixed_network, pack, unpack
 from gravcomp.core.formats import FORCE_BITS, OPERAND_BITS
 from gravcomp.twin.network import output_scaler
+from gravcomp_lab.benches.stream import after_resets, latencies, start, stream
 from runner import simulate
-from stream import after_resets, latencies, start, stream
 
 
 @cocotb.test()

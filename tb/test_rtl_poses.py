@@ -10,8 +10,9 @@ import pytest
 from codes import fixed_network, unpack
 from gravcomp.core.formats import FORCE_BITS
 from gravcomp.twin import network as bittrue
+from gravcomp_lab.benches.core import draw_counts
 from runner import ROOT, verilate
-from test_rtl_gates import draw_counts, ghdl_verilog, netlist
+from test_rtl_gates import ghdl_verilog, netlist
 
 N_POSES, SEED = {"ghdl": 100_000, "ecp5": 10_000}, 21
 

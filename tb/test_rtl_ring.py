@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from cocotb.triggers import FallingEdge, Timer
 
+from gravcomp_lab.benches.stream import start
 from runner import simulate
-from stream import start
 
 
 @cocotb.test()

@@ -8,8 +8,8 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 from codes import corners_and_random, pack, unpack
+from gravcomp_lab.benches.stream import after_resets, latencies, start, stream
 from runner import BENCHES, simulate
-from stream import after_resets, latencies, start, stream
 
 
 def products(values: np.ndarray) -> np.ndarray:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from cocotb.triggers import FallingEdge
 
+from gravcomp_lab.benches.stream import start
 from runner import BENCHES, simulate
-from stream import start
 
 
 @cocotb.test()

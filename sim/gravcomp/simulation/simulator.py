@@ -7,6 +7,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 from gravcomp.errors import optional
+from gravcomp.simulation.measured import FILE, handed_over
 
 
 def simulate(
@@ -21,12 +22,12 @@ def simulate(
     is_verilog: bool = False,
     tests: str | None = None,
     vcd: Path | None = None,
-) -> Path:
+) -> dict:
     """Run the cocotb tests of test_module (in python_path) on an entity; AssertionError when one fails or none runs.
 
     sources: VHDL in compile order, under GHDL; with is_verilog Verilog, under Icarus, made with the generics. generics
     are set on the entity and handed to the test as environment variables of the same name in upper case. tests selects
-    cocotb tests by regular expression. Returns the log of the run.
+    cocotb tests by regular expression. Returns what they handed over (gravcomp.simulation.measured), by name.
     """
     get_results = optional("cocotb_tools.check_results", "cocotb", "a simulation").get_results
     get_runner = optional("cocotb_tools.runner", "cocotb", "a simulation").get_runner
@@ -35,6 +36,8 @@ def simulate(
     name = build_dir.name
     build_dir.mkdir(parents=True, exist_ok=True)
     build_log, log = build_dir / "build.log", build_dir / "run.log"
+    handed = build_dir.absolute() / "measured.json"
+    handed.unlink(missing_ok=True)
     runner = get_runner("icarus" if is_verilog else "ghdl")
     try:
         runner.build(
@@ -53,6 +56,7 @@ def simulate(
             "PYTHONPATH": os.pathsep.join([str(python_path), os.environ.get("PYTHONPATH", "")]),
             **{k.upper(): str(v) for k, v in generics.items()},
             **(environment or {}),
+            FILE: str(handed),
         }
         # In os.environ, because cocotb's runner prefers that to its own extra_env: make exports WEIGHTS.
         with patch.dict(os.environ, variables):
@@ -71,7 +75,7 @@ def simulate(
         raise AssertionError(f"{name}: the simulation failed ({stop})\n{_tail(log)}") from None
     assert n_tests > 0, f"{name}: no cocotb test ran\n{_tail(log)}"
     assert n_failed == 0, f"{name}: {n_failed} of {n_tests} cocotb tests failed\n{_tail(log)}"
-    return log
+    return handed_over(handed)
 
 
 def verilate(verilog: Sequence[Path], entity: str, bench: Path, folder: Path) -> Path:

@@ -1,27 +1,26 @@
-"""Print initiation interval and latency of the core per number of lanes, as its last simulation measured them."""
+"""Measure initiation interval and latency of the core per number of lanes, in simulation, and print them."""
 
-import json
 from pathlib import Path
 
-from gravcomp.errors import InputError
+from tqdm import tqdm
+
+from gravcomp_lab.benches.core import LANES, core_run
 
 CLOCK_MHZ = 40.0  # the paper's FPGA
-COLUMNS = ("lanes", "interval", "latency", "simulated_clocks_per_s")
 
 
 def add_arguments(parser):
-    parser.add_argument("--build", type=Path, default=Path("build"), help="folder that the simulation wrote")
+    parser.add_argument("--lanes", type=int, nargs="+", default=LANES, choices=LANES, help="neurons per clock")
+    parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
+    parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="machine folder of its ROM")
+    parser.add_argument("--build", type=Path, default=Path("build"), help="folder of the simulations")
 
 
 def run(arguments):
-    try:
-        rows = [json.loads(path.read_text()) for path in arguments.build.glob("core-3-20-*.json")]
-        measured = sorted([row[name] for name in COLUMNS] for row in rows)
-    except (OSError, ValueError, KeyError, TypeError):
-        measured = []
-    if not measured:
-        raise InputError(f"{arguments.build}: no measurement there, or a damaged one; start `make latency`")
+    lanes = tqdm(sorted(set(arguments.lanes)), desc="lanes", delay=2, leave=False, disable=None)
+    runs = {n: core_run(n, arguments.rtl, arguments.build, arguments.weights) for n in lanes}
     print(f"| lanes | interval, clocks | latency, clocks | latency at {CLOCK_MHZ:.0f} MHz, us | simulated clocks/s |")
     print("|---|---|---|---|---|")
-    for lanes, interval, latency, clocks_per_s in measured:
-        print(f"| {lanes} | {interval} | {latency} | {latency / CLOCK_MHZ:.3f} | {clocks_per_s} |")
+    for n, found in runs.items():
+        us = found.latency / CLOCK_MHZ
+        print(f"| {n} | {found.interval} | {found.latency} | {us:.3f} | {found.clocks_per_s:.0f} |")

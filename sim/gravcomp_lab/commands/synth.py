@@ -15,7 +15,7 @@ def add_arguments(parser):
         "--lanes", type=int, nargs="+", default=[1, 4, 20], choices=sorted(PARTS), help="neurons per clock"
     )
     parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
-    parser.add_argument("--build", type=Path, default=Path("build"), help="folder of measured latencies and of results")
+    parser.add_argument("--build", type=Path, default=Path("build"), help="folder of simulations and of results")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
     parser.add_argument("--docs", type=Path, help="folder whose synthesis.md and picture are to be renewed")
 

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
+from gravcomp_lab.benches.core import core_run
+from gravcomp_lab.shipped import SPHEIRO
 from gravcomp_lab.synthesis import place_route
 from gravcomp_lab.synthesis.place_route import Placement, place_and_route
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
@@ -50,10 +51,10 @@ class Result:
 def survey(lanes: Sequence[int], rtl: Path, build: Path, jobs: int) -> list[Result]:
     """Synthesise, place and route the core for each number of lanes; files go to build/synth, results also as JSON.
 
-    Interval and latency are those that `make latency` measured in simulation. Raises InputError when they are missing
-    or a tool fails.
+    Interval and latency are measured in simulation. Raises InputError when a tool fails.
     """
-    timing = {n: _measured(build / f"core-3-20-{n}.json") for n in lanes}
+    simulated = {n: core_run(n, rtl, build, SPHEIRO) for n in lanes}
+    timing = {n: (run.interval, run.latency) for n, run in simulated.items()}
     folder = build / "synth"
     cases = list(product(sorted(lanes, reverse=True), SPEEDS, SEEDS))
     n_runs = 1 + len(lanes) * len(TARGETS) + len(cases)
@@ -114,11 +115,3 @@ def _finish(bar: tqdm, futures: Iterable) -> Iterable:
         for future in futures:
             future.cancel()
         raise
-
-
-def _measured(path: Path) -> tuple[int, int]:
-    try:
-        row = json.loads(path.read_text())
-        return int(row["interval"]), int(row["latency"])
-    except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(f"{path}: no such measurement, or a damaged one; start `make latency`") from None

@@ -11,8 +11,12 @@ from gravcomp.files import write_atomically
 
 
 def rtl_sources(rtl: Path) -> list[Path]:
-    """The VHDL files of rtl/sources.f, in compile order."""
-    return [rtl / name for name in (rtl / "sources.f").read_text().split()]
+    """The VHDL files of rtl/sources.f, in compile order; InputError when there is none."""
+    try:
+        names = (rtl / "sources.f").read_text().split()
+    except OSError:
+        raise InputError(f"{rtl}: no sources.f; give the folder of the RTL") from None
+    return [rtl / name for name in names]
 
 
 def source_of(rtl: Path, entity: str) -> Path:
