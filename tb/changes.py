@@ -1,6 +1,8 @@
-"""Waiting for a signal to change, on every GHDL."""
+"""Waiting for a signal: for it to change, on every GHDL; for what must come, and no longer than that may take."""
 
-from cocotb.triggers import NextTimeStep, ReadOnly
+from collections.abc import Callable
+
+from cocotb.triggers import FallingEdge, NextTimeStep, ReadOnly
 
 
 async def value_change(signal) -> None:
@@ -12,3 +14,12 @@ async def value_change(signal) -> None:
     while signal.value == before:
         await NextTimeStep()
         await ReadOnly()
+
+
+async def until(clk, what: str, comes: Callable[[], bool], most_clocks: int) -> None:
+    """Clocks, until it has come; AssertionError that says what did not when it takes more of them."""
+    for _ in range(most_clocks):
+        if comes():
+            return
+        await FallingEdge(clk)
+    raise AssertionError(f"{what}: not within {most_clocks} clocks")

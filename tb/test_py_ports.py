@@ -1,10 +1,13 @@
 """A fault can be planted at every output port, and a proof sees those of a seeded sample."""
 
+import shutil
+
 import numpy as np
 import pytest
 
 from gravcomp_lab.formal.claims import CLAIMS
-from gravcomp_lab.mutation.ports import Port, output_ports, plant, try_port
+from gravcomp_lab.mutation import ports
+from gravcomp_lab.mutation.ports import Found, Port, Verdicts, markdown, output_ports, plant, try_port
 from runner import ROOT, RTL
 
 PORTS = output_ports(RTL)
@@ -66,3 +69,36 @@ def test_fault_at_a_port_is_seen_by_a_proof(k):
     port = quick[np.random.default_rng(7).permutation(len(quick))[k]]
     found = try_port(port, ROOT)
     assert found.tool == "proof", found
+
+
+def test_verdict_holds_until_what_it_rests_on_changes(tmp_path):
+    """The entity and the checker of a proof, or the test: another file changes nothing."""
+    for name in ("rtl", "tb"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    proof, test = PORTS[1], PORTS[0]
+    kept = [Found(proof.entity, proof.name, "proof", "tick: reset_clears"),
+            Found(test.entity, test.name, "simulation: equality with the twin",
+                  "test_rtl_tick.py::test_x")]  # fmt: skip
+    for found in kept:
+        Verdicts(tmp_path / "ports.csv", tmp_path).keep(found)
+
+    def known() -> list[Found | None]:
+        verdicts = Verdicts(tmp_path / "ports.csv", tmp_path)
+        return [verdicts.known(proof), verdicts.known(test)]
+
+    assert known() == kept
+    (tmp_path / "tb" / "test_rtl_delay.py").write_text("")
+    assert known() == kept
+    (tmp_path / "tb" / "formal" / "tick.sv").write_text("")
+    assert known() == [None, kept[1]]
+    (tmp_path / "tb" / "test_rtl_tick.py").write_text("")
+    assert known() == [None, None]
+
+
+def test_simulation_that_does_not_end_has_found_nothing(monkeypatch):
+    port = Port("gc_delay", "out_data", "std_ulogic_vector(bits_g - 1 downto 0)")
+    for result, tool in (("time-out", ""), ("survived", ""), ("caught", "simulation: equality with the twin")):
+        monkeypatch.setattr(ports, "run_tests", lambda *_, result=result: (result, "test_rtl_delay.py::test_x"))
+        found = try_port(port, ROOT)
+        assert found.tool == tool
+        assert ("**nothing**" in markdown([found], 1)) == (tool == "")

@@ -42,8 +42,12 @@ class Clocks:
             self.reset(name, True)
         await self.bare_edges("bus", 3)
         await self.bare_edges("core", 4 * STAGES)
-        while self.dut.trip.value != 1:
+        for _ in range(4 * STAGES):
+            if self.dut.trip.value == 1:
+                break
             await self.bare_edges("bus", 1)
+        else:
+            raise AssertionError("no trip ends")
         for name in ("bus", "core"):
             self.reset(name, False)
 

@@ -1,9 +1,11 @@
 """Each claim of a checker is refuted where the VHDL is broken: what takes faults of a file together."""
 
+import re
 import shutil
 
 import pytest
 
+import test_rtl_formal
 from gravcomp_lab.formal.claims import CLAIMS, verify
 from gravcomp_lab.synthesis.verilog import source_of
 from runner import ROOT
@@ -55,6 +57,15 @@ PLANTED = [
     ]),
     ("safety", "gc_brake_permit", [
         ("(enable and not in_carried)", "not in_carried", "both_paths_agree"),
+    ]),
+    ("safety", "gc_brake_sequencer", [
+        ("next_v := state_run_c;", "next_v := not state_run_c;", "state_is_legal"),
+    ]),
+    ("safety", "gc_safety", [
+        ("unsigned(in_deviates) = 0 or released = '0'", "unsigned(in_deviates) = 0", "command_is_absent_in_braked"),
+        ("hold_1 and not released", "hold_1", "hold_is_absent_in_run"),
+        ("state_holding_c and enable = '1' else '1'", "state_holding_c or enable = '1' else '1'",
+         "hold_is_absent_in_braked"),
     ]),
     ("safety", "gc_safety", [
         ("in_upset = '1' or", "in_crc_bad = '1' or", "nothing_is_upset_of_itself"),
@@ -125,13 +136,14 @@ PLANTED = [
     ]),
     ("brake_test", "gc_brake_test", [
         ("in_feedback /= fed", "in_feedback = fed", "wrong_read_back_fails"),
-        ("if in_start = '0' or rst = '1'", "if rst = '1'", "nothing_without_a_start"),
+        ("going <= in_start and not rst;", "going <= not rst;", "nothing_without_a_start"),
         ("axis(inputs_c - 2 downto 0) & '0'", "axis(inputs_c - 2 downto 0) & '1'", "one_axis_at_a_time"),
     ]),
     ("brake_test", "gc_brake_test", [
         ("ends <= over and not idle", "ends <= over", "every_axis_in_its_phase"),
         ("second <= first;", "second <= not first;", "one_path_is_switched_at_a_time"),
         ("done <= axis(inputs_c - 1)", "done <= axis(inputs_c - 2)", "done_after_all_phases"),
+        ("next_order <= next_axis &", "next_order <= axis &", "nothing_is_upset_of_itself"),
     ]),
     ("brake_feedback", "gc_brake_feedback", [
         ("(level(i) xnor told(i)) or not known", "level(i) xnor told(i)", "none_differs_before_the_pins_are_known"),
@@ -140,6 +152,35 @@ PLANTED = [
     ]),
     ("brake_feedback", "gc_brake_feedback", [
         ("(level(i) xnor told(i)) or not known", "not known", "brakes_that_obey_do_not_differ"),
+        ("when unsigned(upsets) /= 0", "when unsigned(upsets) = 0", "nothing_is_upset_of_itself"),
+    ]),
+    ("brakes", "gc_brakes", [
+        ("pins_differ or test_failed", "pins_differ", "what_pins_or_test_find_is_wrong_and_nothing_else"),
+        ("when unsigned(upsets) /= 0", "when unsigned(upsets) /= 0 or may_test = '1'", "nothing_is_upset_of_itself"),
+    ]),
+    ("brakes", "gc_brake_sequencer", [
+        ("brake_release <= in_test;", "brake_release <= (others => '1');",
+         "paths_differ_on_the_axis_in_its_test_alone"),
+        ("next_v := state_fault_c;\n      end if;\n      if rst",
+         "next_v := state_braked_c;\n      end if;\n      if rst",
+         "faults_shut_the_brakes"),
+        ("if next_v = state_holding_c or next_v = state_run_c then", "if next_v = state_run_c then",
+         "command_is_active_in_holding_and_run"),
+    ]),
+    ("brakes", "gc_brake_sequencer", [
+        ("brake_release <= (others => '0');", "brake_release <= in_test;", "both_paths_shut_the_brakes"),
+        ("if next_v = state_run_c then", "if next_v = state_run_c and in_carried = '1' then",
+         "both_paths_open_the_brakes"),
+    ]),
+    ("brakes", "gc_brake_permit", [
+        ("idle_v or (shut_v and not in_test(i))", "idle_v", "brakes_are_shut_but_in_run_and_test"),
+    ]),
+    ("brakes", "gc_brake_test", [
+        ("next_done <= axis(inputs_c - 1);", "next_done <= axis(inputs_c - 2);",
+         "each_brake_is_tested_before_all_open"),
+    ]),
+    ("brakes", "gc_brake_feedback", [
+        ("out_feedback <= level;", "out_feedback <= told;", "pins_are_passed_on"),
     ]),
     ("force_path", "gc_force_path", [
         ("start <= in_valid and", "start <= in_valid and not cfg_clear and", "none_lost"),
@@ -192,6 +233,9 @@ PLANTED = [
         ("        speed_zero <= '0';\n        speed_period <= slowest_c;", "        speed_zero <= '0';",
          "reset_forgets"),
     ]),
+    ("speed_meter", "gc_speed_meter", [
+        ("now <= now + 1;", "now <= now + 2;", "time_stamps_are_ages"),
+    ]),
     ("crossing_pulse", "gc_crossing_pulse", [
         ("in_valid = '1' and sent = answer", "in_valid = '1'", "one_at_most_is_under_way"),
         ("arrived <= arriving;", "arrived <= arrived;", "none_invented_or_doubled"),
@@ -207,6 +251,16 @@ PLANTED = [
     ("crossing_bus", "gc_crossing_bus", [
         ("in_valid = '1' and ready = '1'", "in_valid = '1'", "brought_whole_and_held"),
         ("out_valid <= '0';", "null;", "none_lost_but_in_reset"),
+    ]),
+    ("crossing_bus", "gc_crossing_pulse", [
+        ("in_valid = '1' and sent = answer", "in_valid = '1'", "one_at_most_is_under_way"),
+        ("arrived <= arriving;", "arrived <= arrived;", "none_invented_or_doubled"),
+    ]),
+    ("crossing_bus", "gc_crossing_pulse", [
+        ("async_data(0) => sent,", "async_data(0) => '0',", "brought_in_time"),
+    ]),
+    ("crossing_bus", "gc_crossing_pulse", [
+        ("async_data(0) => arrived,", "async_data(0) => '0',", "ready_again_in_time"),
     ]),
     ("crossing_bus", "gc_crossing_bus", [
         ("in_ready <= ready;", "in_ready <= '1';", "none_is_taken_before_the_last_one_is_brought"),
@@ -280,6 +334,20 @@ PLANTED = [
         ("force_saturation", "forces_are_clipped", "clipped_forces_are_flagged"),
     )),
 ]  # fmt: skip
+
+# About the checker itself, to help an induction: no fault of the VHDL can break it. And what is there to be broken: it
+# tells the latency.
+OF_THE_CHECKER = {"limit_is_one_of_those_given", "results_are_six_clocks_apart", "time_never_wraps", "no_result"}
+
+
+def test_every_assertion_has_a_planted_fault():
+    """Here or in test_rtl_formal.py, by its name."""
+    broken = {assertion for *_, faults in PLANTED for *_, assertion in faults} | {
+        p[-1] for p in test_rtl_formal.PLANTED
+    }
+    text = "".join(path.read_text() for path in CHECKERS.glob("*.sv"))
+    written = set(re.findall(r"(\w+)\s*:\s*assert\b", text))
+    assert written - broken == OF_THE_CHECKER
 
 
 @pytest.mark.parametrize(

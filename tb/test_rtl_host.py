@@ -29,6 +29,7 @@ INDEX = np.array([2002, -3002, 4002])
 POSES = [(2042, -3001, 4002), (1990, -3042, 3961), (2002, -3002, 4002)]
 POLLS = 300
 ESTOP = 1
+HOMING_CLOCKS = 100_000
 SHORT_IMAGE = bytes(range(256)) * 2
 SPEED_TIMEOUT = 100  # clocks to standstill
 STILL = 2**31 - 1  # speed_period then
@@ -187,9 +188,13 @@ async def example(dut):
     dut.index_count.value = pack([2, 2, 2], COUNT_BITS)  # two counts before the end of the walk
 
     async def move_over_the_index():
-        while dut.settings_home.value != 7:
+        for _ in range(HOMING_CLOCKS // 10):
             await system.clocks(10)
             dut.settings_bits.value = dut.i_system.core_settings_word.value
+            if dut.settings_home.value == 7:
+                break
+        else:
+            raise AssertionError(f"not homing after {HOMING_CLOCKS} clocks")
         await system.walk_to(np.array([-8, -8, -8]))
         await system.walk_to(np.array([8, 8, 8]))
         await system.walk_to(np.array([4, 4, 4]))

@@ -12,6 +12,7 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, with_timeout
 from cocotb.utils import get_sim_time
 
 from axi import BusError, Registers, SimulatedBus
+from changes import until
 from codes import fixed_compensation, fixed_network, hash_under_test, pack, unpack, weights_under_test
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.core.image import Image
@@ -27,6 +28,8 @@ ALL_FAULTS = (1 << len(Cause)) - 1
 KICK = 2  # of command
 STATES = {state.name.lower(): state for state in State}
 CONTROL_PERIOD_US = 100  # of a control loop at 10 kHz
+# More than any walk of these tests takes, and than a word takes to cross.
+WALK_CLOCKS, CROSSING_CLOCKS = 1_000_000, 1000
 
 
 class System:
@@ -83,8 +86,7 @@ class System:
     async def walk_to(self, counts: np.ndarray) -> None:
         self.dut.target.value = pack(counts, COUNT_BITS)
         await self.clocks(2)
-        while self.dut.busy.value != 0:
-            await self.clocks(1)
+        await until(self.dut.clk, "the end of the walk", lambda: self.dut.busy.value == 0, WALK_CLOCKS)
         await self.clocks(60)  # decoder and crossing
 
     async def configure(self, **changes: int) -> None:
@@ -326,8 +328,8 @@ async def no_event_is_lost_by_a_clear_of_the_others(dut, event):
         await system.clocks(60)
         await registers.write("interrupt_status", 7)
         assert dut.irq.value == 0
-        while dut.i_system.axi_valid.value != 1:  # the phase of the crossing
-            await system.clocks(1)
+        # the phase of the crossing
+        await until(dut.clk, "a word of state", lambda: dut.i_system.axi_valid.value == 1, CROSSING_CLOCKS)
         writes = [cocotb.start_soon(cause_event(system, event))]
         await system.clocks(delay)
         writes.append(cocotb.start_soon(registers.write("interrupt_status", 7 & ~EVENTS[event])))
@@ -365,8 +367,7 @@ async def a_fault_that_comes_again_interrupts_again(dut, mhz):
         await registers.write("interrupt_status", 7)
         assert dut.irq.value == 0
         write = cocotb.start_soon(registers.write("fault", 1))
-        while core.clear_fault.value == 0:
-            await system.clocks(1)
+        await until(dut.clk, "the command", lambda: core.clear_fault.value != 0, CROSSING_CLOCKS)
         await system.clocks(delay)
         dut.estop_n.value = 0
         await write

@@ -8,11 +8,11 @@ module brake_feedback (
 );
 
   wire [2:0] feedback;
-  wire differs;
+  wire differs, upset;
 
   gc_brake_feedback dut (
       .clk(clk), .rst(rst), .brake_fed(brake_fed), .in_released(in_released), .cfg_clocks(cfg_clocks),
-      .out_feedback(feedback), .out_differs(differs)
+      .out_feedback(feedback), .out_differs(differs), .upset(upset)
   );
 
   // Pins, and axes that do not do as told, of the last clocks; clocks since the last reset, at most 4.
@@ -32,6 +32,7 @@ module brake_feedback (
     brakes_that_obey_do_not_differ : assert (wrong_3 != 0 || !differs);
     brakes_that_do_not_obey_differ : assert (!limit_was_0 || n_clocks < 4 || wrong_3 == 0 || differs);
     none_differs_before_the_pins_are_known : assert (n_clocks >= 3 || !differs);
+    nothing_is_upset_of_itself : assert (!upset);
   end
 
 endmodule

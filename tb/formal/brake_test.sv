@@ -8,12 +8,12 @@ module brake_test (
 );
 
   wire [2:0] first, second;
-  wire done, failed;
+  wire done, failed, upset;
   (* hierconn *) wire \dut.ends ;
 
   gc_brake_test dut (
       .clk(clk), .rst(rst), .in_start(in_start), .in_feedback(in_feedback), .cfg_clocks(cfg_clocks), .out_first(first),
-      .out_second(second), .out_done(done), .out_failed(failed)
+      .out_second(second), .out_done(done), .out_failed(failed), .upset(upset)
   );
 
   // The clock before; phases since the test began.
@@ -43,6 +43,7 @@ module brake_test (
     every_axis_in_its_phase : assert (done || !going_1 || ends_1 || turn == 0
                                       || first == (n_phases[1:0] <= 1 ? 1 << n_phases[3:2] : 0)
                                       && second == (n_phases[1:0] == 1 || n_phases[1:0] == 2 ? 1 << n_phases[3:2] : 0));
+    nothing_is_upset_of_itself : assert (!upset);
     wrong_read_back_fails : assert (failed == (going_1 && ends_1 && feedback_1 != (first_1 & second_1)));
   end
 

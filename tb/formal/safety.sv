@@ -1,5 +1,16 @@
-// Claims of gc_safety about brakes, command and faults, for every behaviour of pins, host, core and limits.
-module safety (
+// Claims of gc_safety about brakes, command and faults, for every behaviour of pins, host, core and limits. Parameters:
+// codes of the states, bits of the causes.
+module safety #(
+    parameter [2:0] BRAKED = 0,
+    parameter [2:0] HOLDING = 0,
+    parameter [2:0] RUN = 0,
+    parameter [2:0] FAULT = 0,
+    parameter SPEED = 0,
+    parameter COMMAND = 0,
+    parameter HOLD = 0,
+    parameter BRAKE = 0,
+    parameter UPSET = 0
+) (
     input clk,
     input rst,
     input estop_n,
@@ -30,8 +41,6 @@ module safety (
     input [31:0] cfg_hold_clocks,
     input [31:0] cfg_brake_clocks
 );
-
-  localparam [2:0] BRAKED = 3'b000, HOLDING = 3'b011, RUN = 3'b101, FAULT = 3'b110;
 
   wire run;
   wire [2:0] brake_release, brake_engage, state;
@@ -112,8 +121,8 @@ module safety (
   always @* begin
     state_is_legal : assert (state == BRAKED || state == HOLDING || state == RUN || state == FAULT);
     brakes_are_engaged_but_in_run : assert (brake_release == (state == RUN ? 3'b111 : 3'b000));
-    both_paths_agree : assert (brake_engage == ~brake_release && !present[12]);
-    nothing_is_upset_of_itself : assert (!present[15] || upset_1);
+    both_paths_agree : assert (brake_engage == ~brake_release && !present[BRAKE]);
+    nothing_is_upset_of_itself : assert (!present[UPSET] || upset_1);
     command_is_zero_braked_and_in_fault : assert (run == (state == HOLDING || state == RUN));
     brakes_open_after_the_motors_hold : assert (!brake_release || brake_release_1 || state_1 == HOLDING && enable_1);
     brakes_open_after_the_whole_command_was_reached :
@@ -124,7 +133,7 @@ module safety (
     lost_counts_engage_the_brakes : assert (!illegal_then[2] || !brake_release && !run);
     lost_reference_engages_the_brakes : assert (!unreferenced_then[2] || !brake_release && !run);
     causes_engage_the_brakes : assert (!present_1 || !brake_release && !run);
-    speed_is_held_against_every_limit : assert (present[4] == speeding_1);
+    speed_is_held_against_every_limit : assert (present[SPEED] == speeding_1);
     motion_starts_by_an_edge_while_healthy :
       assert (!run || run_1 || enable_1 && !enable_2 && !present_1 && state_1 == BRAKED);
     fault_lasts_until_all_are_cleared_and_no_cause_is_present :
@@ -140,9 +149,9 @@ module safety (
     every_fault_that_comes_is_an_event :
       assert (events == (rst_1 ? 8'd0 : events_1 + ((fault & ~fault_1) != 0)));
     // Cells that no test of causes in states can reach; tb/test_rtl_safety_cells.py reaches all others.
-    command_is_absent_in_braked : assert (!present[10] || state != BRAKED);
-    hold_is_absent_in_braked : assert (!present[11] || state != BRAKED);
-    hold_is_absent_in_run : assert (!present[11] || state != RUN);
+    command_is_absent_in_braked : assert (!present[COMMAND] || state != BRAKED);
+    hold_is_absent_in_braked : assert (!present[HOLD] || state != BRAKED);
+    hold_is_absent_in_run : assert (!present[HOLD] || state != RUN);
     first_is_kept :
       assert (rst_1 || state != FAULT || state_1 != FAULT || first_cause == first_cause_1 && first_count == first_count_1);
   end

@@ -157,19 +157,6 @@ static void encoders() {
   top->pin_a = a, top->pin_b = b, top->pin_z = z;
 }
 
-static void core_clock() {
-  while (world.axi_next <= core_ns * world.clock) {
-    axi_clock();
-    world.axi_next += axi_ns;
-  }
-  encoders();
-  top->clk = 1;
-  top->eval();
-  top->clk = 0;
-  top->eval();
-  world.clock++;
-}
-
 // ---- what it does to the robot
 
 struct Outputs {
@@ -192,6 +179,23 @@ static Outputs outputs() {
   for (int i = 0; i < axes; i++) now.command[i] = top->drive_current[i];
   now.brakes = top->brake_release | second_path(*top) << axes, now.enable = top->drive_enable;
   return now;
+}
+
+// A brake is fed as it was told.
+static void brakes() { top->brake_fed = outputs().released(); }
+
+static void core_clock() {
+  while (world.axi_next <= core_ns * world.clock) {
+    axi_clock();
+    world.axi_next += axi_ns;
+  }
+  encoders();
+  brakes();
+  top->clk = 1;
+  top->eval();
+  top->clk = 0;
+  top->eval();
+  world.clock++;
 }
 
 static bool transfer(const Order &order) {

@@ -7,6 +7,9 @@ import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
+# Clocks in which an input must be taken, gaps between them included.
+PATIENCE = 10_000
+
 
 @dataclass
 class Recording:
@@ -65,6 +68,7 @@ async def stream(
             recording.accepted.append(clock)
             position += 1
             next_free = clock + spacing
+        assert idle or clock < next_free + PATIENCE, f"input {position} was not taken in {PATIENCE} clocks"
         idle = idle + 1 if position == len(inputs) else 0
         clock += 1
         await FallingEdge(dut.clk)

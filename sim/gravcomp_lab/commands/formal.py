@@ -40,6 +40,10 @@ as a bound. Nothing of gc_bus_side is abstracted.
 order, together or never, as often as they like. A synchroniser that samples a level while it changes takes the old or
 the new one; so it does here, by the order of the edges.
 
+`brakes` holds gc_brakes with all that watches brakes: a brake is open in RUN, or alone in its test in HOLDING; all open
+only after each was let go and held by either path alone. Codes of states and bits of causes come from the twin, which
+is compared with gc_safety_pkg.
+
 `speed_meter` runs with a time-out of five clocks, so that its clock has few values; only widths of counters depend on
 it. `friction` cuts both tables, so that any value may come out of them, and its product, which lies between its bounds.
 PDR was given up for `loader` (an image has some 6000 words) and `friction` after 30 s, for `bank_switch` (615 bits of

@@ -7,8 +7,7 @@ from tqdm import tqdm
 
 from gravcomp.errors import InputError
 from gravcomp_lab.inject import campaign, report, specimen
-from gravcomp_lab.inject.report import Judged
-from gravcomp_lab.pages import renew
+from gravcomp_lab.pages import read, renew
 from gravcomp_lab.simulated.pictures import save_figure
 
 
@@ -17,6 +16,9 @@ def add_arguments(parser):
     parser.add_argument("--bench", type=Path, default=Path("tb/inject/bench.cpp"), help="the bench in C++")
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="folder of the network")
     parser.add_argument("--variant", nargs="+", default=list(campaign.VARIANTS), choices=list(campaign.VARIANTS))
+    parser.add_argument(
+        "--entity", action="append", default=[], help="flip bits of this one alone; may be given several times"
+    )
     parser.add_argument("--flips", type=int, default=300, help="of live state, per entity (default 300)")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (default 1)")
     parser.add_argument("--jobs", type=int, default=2, help="benches at a time (default 2)")
@@ -29,25 +31,32 @@ def run(arguments):
         raise InputError(f"--flips {arguments.flips} --jobs {arguments.jobs}: need one or more of each")
     panels = {}
     for variant in arguments.variant:
-        parts, every_bit, drawn = _inject(variant, arguments)
-        panels |= {f"{variant}: every bit": every_bit, f"{variant}: live state, drawn": drawn}
-        print("\n\n".join([f"# {variant}", *parts.values()]), flush=True)
+        parts = _inject(variant, arguments)
         if arguments.docs:
-            for part, text in parts.items():
-                renew(arguments.docs / "injection.md", f"{variant} {part}", text)
-    figure = report.picture(panels)
+            page = arguments.docs / "injection.md"
+            for part in parts:
+                if arguments.entity and part != "braked":
+                    parts[part] = report.merged(read(page, f"{variant} {part}"), parts[part], arguments.entity)
+                if not arguments.entity or part != "braked":
+                    renew(page, f"{variant} {part}", parts[part])
+        print("\n\n".join([f"# {variant}", *parts.values()]), flush=True)
+        panels |= {f"{variant}: every bit": parts["exhaustive"], f"{variant}: live state, drawn": parts["sampled"]}
+    figure = report.picture({title: report.shares(table) for title, table in panels.items()})
     save_figure(figure, arguments.out / "injection.png")
     if arguments.docs:
         save_figure(figure, arguments.docs / "figures" / "injection.png")
 
 
-def _inject(variant: str, arguments: Namespace) -> tuple[dict[str, str], list[Judged], list[Judged]]:
-    """The parts of the page about a variant, and the flips that they are about: every bit, and drawn ones."""
+def _inject(variant: str, arguments: Namespace) -> dict[str, str]:
+    """The parts of the page about a variant; with --entity their rows are those of these entities."""
     made = campaign.prepare(
         arguments.rtl, arguments.weights, arguments.bench, variant, arguments.out / variant, arguments.seed
     )
-    live = {name: made.live(name) for name in campaign.SAMPLED_SCENES}
-    exhaustive, sample = made.exhaustive(campaign.EXHAUSTIVE_SCENES, live["rom"]), made.sample(live, arguments.flips)
+    live = {name: made.live(name, arguments.entity) for name in campaign.SAMPLED_SCENES}
+    exhaustive, sample = (
+        [flip for flip in flips if not arguments.entity or made.design.stores[flip.store].entity in arguments.entity]
+        for flips in (made.exhaustive(campaign.EXHAUSTIVE_SCENES, live["rom"]), made.sample(live, arguments.flips))
+    )
     print(
         f"{variant}, seed {arguments.seed}: {len(exhaustive)} flips of every bit, {len(sample)} of live state",
         flush=True,
@@ -58,7 +67,7 @@ def _inject(variant: str, arguments: Namespace) -> tuple[dict[str, str], list[Ju
     every_bit = report.judge(stores, exhaustive, outcomes[: len(exhaustive)], ua_per_mn)
     drawn = report.judge(stores, sample, outcomes[len(exhaustive) :], ua_per_mn)
     both = [*every_bit, *drawn]
-    parts = {
+    return {
         "exhaustive": report.table(every_bit, stores),
         "sampled": report.table(drawn, stores, campaign.live_bits(live)),
         "silent": report.silent_table(both, ua_per_mn),
@@ -66,4 +75,3 @@ def _inject(variant: str, arguments: Namespace) -> tuple[dict[str, str], list[Ju
         "Longest time with a wrong command before the brakes engaged: "
         f"{report.worst_before_brakes_us(both):.1f} us.",
     }
-    return parts, every_bit, drawn

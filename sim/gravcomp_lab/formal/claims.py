@@ -14,6 +14,7 @@ from gravcomp.core.formats import COUNT_BITS, OPERAND_BITS, FixedNetwork, quanti
 from gravcomp.core.image import Record, image_records, record_words
 from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS, IMAGE_SECTIONS, IMAGE_WORD_BITS
 from gravcomp.network.weights import load_network
+from gravcomp.twin.safety import Cause, State
 from gravcomp_lab.formal.model_check import Verdict, induct, model_check, shortest_run
 from gravcomp_lab.formal.sums import hidden_sums, output_sums
 from gravcomp_lab.shipped import SPHEIRO, shipped_machine
@@ -21,6 +22,9 @@ from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 
 HIDDEN = 20
 LANES = (1, 2, 4, 5, 10, 20)
+# Parameters of checkers.
+STATES = {state.name: int(state) for state in State}
+CAUSES = {name: int(Cause[name]) for name in ("SPEED", "COMMAND", "HOLD", "BRAKE", "UPSET")}
 # Numbers small enough for a proof; that of an entity does not depend on them.
 SMALL = {"reversal_clocks_g": 6, "suspect_edges_g": 4, "dither_clocks_g": 8, "dither_edges_g": 4}
 
@@ -65,12 +69,13 @@ CLAIMS = (
     Claim("hidden_saturation", "gc_hidden_lane"),
     Claim("output_saturation", "gc_output_scaler"),
     Claim("force_saturation", "gc_compensator", parameters={"TOTAL_BITS": FRICTION_BITS + 1}),
-    Claim("safety", "gc_safety", {"two_paths_g": "true"}),
+    Claim("safety", "gc_safety", {"two_paths_g": "true"}, STATES | CAUSES),
     Claim("parity_guard", "gc_parity_guard", {"width_g": 5}, {"BITS": 5}),
     Claim("timeout", "gc_timeout", {"bits_g": 4, "guard_g": "true"}, {"BITS": 4}),
     Claim("brake_permit", "gc_brake_permit"),
-    Claim("brake_test", "gc_brake_test"),
-    Claim("brake_feedback", "gc_brake_feedback"),
+    Claim("brake_test", "gc_brake_test", {"guard_g": "true"}),
+    Claim("brake_feedback", "gc_brake_feedback", {"guard_g": "true"}),
+    Claim("brakes", "gc_brakes", dict.fromkeys(("two_paths_g", "feedback_g", "test_g", "guard_g"), "true"), STATES),
     *(Claim("drive", "gc_drive", axis=axis, induction=1) for axis in range(3)),
     Claim("tick", "gc_tick"),
     Claim("speed_meter", "gc_speed_meter", {"timeout_g": 5}, {"TIMEOUT": 5, "BITS": 5}),

@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Sequence
+import zlib
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
@@ -13,7 +14,7 @@ from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp_lab.inject import bench, hold, specimen
 from gravcomp_lab.inject.bench import Design, Session
-from gravcomp_lab.inject.hold import Scene
+from gravcomp_lab.inject.hold import End, Scene
 from gravcomp_lab.inject.outcome import Outcome, parse
 from gravcomp_lab.inject.state import Store
 from gravcomp_lab.synthesis.verilog import rtl_sources
@@ -31,11 +32,21 @@ FAULT_LATCH = ("gc_fault_latch", "sts_fault")
 EXHAUSTIVE_BELOW = ("i_safety", "i_drive", "i_settings")
 EXHAUSTIVE_ENTITIES = ("gc_registers",)
 CHUNK = 500
-SAMPLED_SCENES, EXHAUSTIVE_SCENES = ("rom", "image"), ("rom", "braked")
+SAMPLED_SCENES = ("rom", "image")
+# And the instances below which every bit is flipped in them, () for all: constants that were loaded can be dropped by
+# what comes from the host; what watches the brakes is at work while they are tested.
+EXHAUSTIVE_SCENES = {"rom": (), "braked": (), "image": ("i_registers", "i_settings"), "test": ("i_brakes",)}
 # gc_system without and with what watches it.
 VARIANTS = {
     "plain": {"clock_watch_g": 0, "two_paths_g": "false", "guard_g": "false", "twin_g": "false"},
-    "guarded": {"clock_watch_g": 256, "two_paths_g": "true", "guard_g": "true", "twin_g": "true"},
+    "guarded": {
+        "clock_watch_g": 256,
+        "two_paths_g": "true",
+        "brake_feedback_g": "true",
+        "brake_test_g": "true",
+        "guard_g": "true",
+        "twin_g": "true",
+    },
 }
 # Every entity is there with one lane, and the rest only more often with four.
 LANES = 1
@@ -80,7 +91,7 @@ def prepare(rtl: Path, weights: Path, bench_cpp: Path, variant: str, out: Path, 
     sources = [made.get(path.name, path) for path in rtl_sources(rtl)]
     design = bench.build(sources, {"lanes_g": LANES, **VARIANTS[variant]}, bench_cpp, out / "design")
     identity = hashlib.sha256((out / "design" / "gc_system.v").read_bytes() + bench_cpp.read_bytes()).hexdigest()[:16]
-    scenes = [Scene("rom"), Scene("image", image=image.data), Scene("braked", released=False)]
+    scenes = [Scene("rom"), Scene("image", image=image.data), Scene("braked", End.BRAKED), Scene("test", End.TEST)]
     return Campaign(design, scenes, seed, out / identity)
 
 
@@ -98,16 +109,24 @@ class Campaign:
         # Of two copies the host sees the first.
         self._latch = latches[0]
 
-    def live(self, scene: str) -> Live:
-        """Which state is live in a scene: it changes without a fault, or its flip is seen outside of its instance."""
-        path = self.folder / f"live-{scene}.npz"
+    def live(self, scene: str, entities: Sequence[str] = ()) -> Live:
+        """Which state is live in a scene: it changes without a fault, or its flip is seen outside of its instance.
+
+        entities: those whose state is asked about, none for all; that of others counts as not live.
+        """
+        path = self.folder / f"live-{'-'.join([scene, *entities])}.npz"
         if path.exists():
             with np.load(path) as kept:
                 return Live([kept[name] for name in kept.files])
         with Session(self.design) as session:
             hold.bring_up(session, self.scenes[scene])
             active = self._hold(session, PROBE_MOMENTS, PROBE_HORIZON, PROBE_STRIDE)
-            found = [self._probe(session, k, store, active[k]) for k, store in enumerate(self.design.stores)]
+            found = [
+                self._probe(session, k, store, active[k])
+                if not entities or store.entity in entities
+                else np.zeros((store.depth or 1, store.bits), dtype=bool)
+                for k, store in enumerate(self.design.stores)
+            ]
         path.parent.mkdir(parents=True, exist_ok=True)
         np.savez_compressed(path, *found)
         return Live(found)
@@ -128,23 +147,30 @@ class Campaign:
         session.tell("x", self._latch)
         return hold.hold(session, moments, horizon, stride)
 
-    def exhaustive(self, scenes: Iterable[str], live: Live) -> list[Flip]:
-        """Every bit of what is_exhaustive, once per scene, each at a moment drawn by seed."""
-        rng = np.random.default_rng(self.seed)
-        bits = [
-            (k, bit)
-            for k, store in enumerate(self.design.stores)
-            for bit in range(store.bits)
-            if is_exhaustive(store)
-            and not store.depth
-            and (live.bits[k][0, bit] or store.entity not in EXHAUSTIVE_ENTITIES)
-        ]
-        return [Flip(scene, int(rng.integers(N_MOMENTS)), k, 0, bit) for scene in scenes for k, bit in bits]
+    def exhaustive(self, scenes: Mapping[str, Sequence[str]], live: Live) -> list[Flip]:
+        """Every bit of what is_exhaustive, once per scene, each at a moment drawn by seed.
+
+        scenes: each with the instances below which bits are flipped, none for all.
+        """
+        flips = []
+        for scene, below in scenes.items():
+            for k, store in enumerate(self.design.stores):
+                if store.depth or not is_exhaustive(store) or (below and set(below).isdisjoint(store.path)):
+                    continue
+                rng = self._rng(scene, store.instance, store.variable)
+                known = live.bits[k][0] if store.entity in EXHAUSTIVE_ENTITIES else np.ones(store.bits, dtype=bool)
+                flips += [Flip(scene, int(rng.integers(N_MOMENTS)), k, 0, int(bit)) for bit in np.flatnonzero(known)]
+        return flips
+
+    def _rng(self, *names: str) -> np.random.Generator:
+        """Of the seed and of these names alone, so that what is drawn for one entity does not depend on the others."""
+        return np.random.default_rng([self.seed, zlib.crc32(" ".join(names).encode())])
 
     def sample(self, live: dict[str, Live], n_per_entity: int) -> list[Flip]:
         """Flips of live state, drawn by seed: n per entity, evenly from the scenes in which it has any."""
-        rng, drawn = np.random.default_rng(self.seed), []
+        drawn = []
         for entity in sorted({s.entity for s in self.design.stores}):
+            rng = self._rng(entity)
             numbers = [k for k, s in enumerate(self.design.stores) if s.entity == entity and not is_exhaustive(s)]
             pools = {scene: [(k, *bit) for k in numbers for bit in of.of(k)] for scene, of in live.items()}
             pools = {scene: pool for scene, pool in pools.items() if pool}

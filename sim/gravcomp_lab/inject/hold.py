@@ -3,6 +3,7 @@
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 
 from gravcomp.driver.host import Host, Result, Settings
 from gravcomp.driver.registers import read_registers
@@ -19,12 +20,24 @@ TICK_US = 4
 SHIFT = 165
 
 
+# From the edge of enable on, until the motors are about to carry the load and the test of the brakes to begin.
+CLOCKS_TO_TEST = 600
+
+
+class End(Enum):
+    """How a bring-up ends: all healthy, brakes engaged; while the brakes are tested, one by one; in RUN."""
+
+    BRAKED = 0
+    TEST = 1
+    RUN = 2
+
+
 @dataclass(frozen=True)
 class Scene:
-    """What the system does meanwhile. image: words that are loaded and in use, none for the ROM. released: RUN."""
+    """What the system does meanwhile. image: words that are loaded and in use, none for the ROM."""
 
     name: str
-    released: bool = True
+    end: End = End.RUN
     image: bytes = b""
 
 
@@ -43,7 +56,7 @@ class _Recorder:
 
 
 def bring_up(session: Session, scene: Scene) -> None:
-    """Configure, load, home and, if the scene says so, release, all by the driver. InputError when it fails."""
+    """Configure, load, home and, as far as the scene says so, release, all by the driver. InputError when it fails."""
     index = [count - (count - INDEX_PHASE) % 4 for count in POSE]
     session.tell("i", *index)
     host = Host(session)
@@ -61,7 +74,12 @@ def bring_up(session: Session, scene: Scene) -> None:
     session.tell("c", 2000)
     host.clear_faults(0xFFFF)
     host.kick()
-    if scene.released:
+    if scene.end == End.TEST:
+        session.tell("c", 500)  # until the kick has arrived
+        _need(host._control("enable", 1), "enable")
+        session.tell("c", CLOCKS_TO_TEST)
+        host.kick()
+    if scene.end == End.RUN:
         _need(host.release(1000), "release")
         host.kick()
         session.tell("c", 4000)
@@ -83,6 +101,7 @@ def settings(identity, index: Sequence[int]) -> Settings:
         watchdog_us=250,
         result_us=50,
         brake_us=10,
+        brake_test_us=10,
         command_bound_ua=50_000,
         command_us=50,
         hold_us=2000,

@@ -9,6 +9,7 @@ from gravcomp_lab.inject.state import Store
 
 COLOURS = ("tab:green", "tab:blue", "tab:olive", "tab:red")
 CLOCKS_PER_US = 40
+ALL = "**all**"
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,15 @@ def _row(
     if not live_bits:
         numbers = sorted({j.flip.store for j in here})
     n, bits = counts([j.verdict for j in here]), sum(stores[k].bits * (stores[k].depth or 1) for k in numbers)
-    row = [entity or "**all**", bits]
+    row = [entity or ALL, bits]
     row += [sum(live_bits[k] for k in numbers)] if live_bits else []
     row += [len(here), *n.values()]
-    return row + ([f"{100 * upper_bound(n[SILENT], len(here)):.2f} %"] if live_bits else [])
+    return row + ([_percent(n[SILENT], len(here))] if live_bits else [])
+
+
+def _percent(n_found: int, n: int) -> str:
+    """The bound of a share."""
+    return f"{100 * upper_bound(n_found, n):.2f} %"
 
 
 def silent_table(judged: Sequence[Judged], ua_per_mn: float) -> str:
@@ -77,17 +83,48 @@ def worst_before_brakes_us(judged: Sequence[Judged]) -> float:
     return max((j.outcome.wrong_clocks for j in judged if j.verdict == BRAKED), default=0) / CLOCKS_PER_US
 
 
-def picture(panels: dict[str, Sequence[Judged]]):
-    """Per panel a bar per entity, of the shares of the classes. Returns a Matplotlib figure."""
+def merged(old: str, new: str, entities: Sequence[str]) -> str:
+    """A table in which the rows of some entities are those of another, with the sums of all of them."""
+    head, rows = new.splitlines()[:2], [*_rows(old, entities, False), *_rows(new, entities, True)]
+    rows.sort(key=lambda row: row[:2])
+    if ALL in (_cells(line)[0] for line in new.splitlines()):
+        n_counts = len(_cells(head[0])) - 1 - _bounded(head[0])
+        sums = [sum(int(row[1 + k]) for row in rows) for k in range(n_counts)]
+        bound = [_percent(sums[-1], sums[-1 - len(CLASSES)])] * _bounded(head[0])
+        rows.append([ALL, *map(str, sums), *bound])
+    return "\n".join([*head, *(f"| {' | '.join(row)} |" for row in rows)])
+
+
+def _rows(table: str, entities: Sequence[str], chosen: bool) -> list[list[str]]:
+    rows = [_cells(line) for line in table.splitlines()[2:]]
+    return [row for row in rows if row[0] != ALL and (row[0] in entities) == chosen]
+
+
+def _cells(line: str) -> list[str]:
+    return [cell.strip() for cell in line.strip().strip("|").split("|")]
+
+
+def _bounded(header: str) -> bool:
+    return _cells(header)[-1].endswith("bound")
+
+
+def shares(table: str) -> dict[str, dict[str, float]]:
+    """Per entity of a table the shares of the classes, %."""
+    header, rows = _cells(table.splitlines()[0]), [_cells(line) for line in table.splitlines()[2:]]
+    numbers = {row[0]: {name: int(row[header.index(name)]) for name in CLASSES} for row in rows if row[0] != ALL}
+    return {entity: {name: 100 * n / sum(of.values()) for name, n in of.items()} for entity, of in numbers.items()}
+
+
+def picture(panels: dict[str, dict[str, dict[str, float]]]):
+    """Per panel a bar per entity, of the shares of the classes, %. Returns a Matplotlib figure."""
     from matplotlib.figure import Figure
 
-    entities = [sorted({j.store.entity for j in judged}, reverse=True) for judged in panels.values()]
+    entities = [sorted(shares, reverse=True) for shares in panels.values()]
     figure = Figure(figsize=(5.5 * len(panels), 1.5 + 0.24 * max(map(len, entities))), layout="constrained")
-    for k, ((title, judged), names) in enumerate(zip(panels.items(), entities, strict=True)):
+    for k, ((title, shares), names) in enumerate(zip(panels.items(), entities, strict=True)):
         axes, left = figure.add_subplot(1, len(panels), k + 1), [0.0] * len(names)
-        shares = [counts([j.verdict for j in judged if j.store.entity == name]) for name in names]
         for verdict, colour in zip(CLASSES, COLOURS, strict=True):
-            widths = [100 * share[verdict] / sum(share.values()) for share in shares]
+            widths = [shares[name][verdict] for name in names]
             axes.barh(names, widths, left=left, color=colour, label=verdict)
             left = [a + b for a, b in zip(left, widths, strict=True)]
         axes.set_title(title, fontsize=10)

@@ -4,16 +4,20 @@ The fault inverts the lowest bit of the port (of the first field of a record), a
 reading the right value. So whatever is asserted about the entity's inside cannot see it, only what is about its port.
 """
 
+import csv
+import hashlib
+import io
 import re
 import shutil
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 from gravcomp.errors import InputError
+from gravcomp.files import write_atomically
 from gravcomp_lab.formal.claims import CLAIMS, verify
-from gravcomp_lab.mutation.trial import CAUGHT, SURVIVED, TIMEOUT, compiles, relevant_tests, run_tests
+from gravcomp_lab.mutation.trial import CAUGHT, TIMEOUT, compiles, relevant_tests, run_tests
 from gravcomp_lab.synthesis.verilog import rtl_sources, source_of
 
 TIMEOUT_S = 600.0
@@ -36,7 +40,10 @@ class Port:
 
 @dataclass(frozen=True)
 class Found:
-    """What saw the fault of a port: the tool, and assertions of a checker or name of a test; nothing if none did."""
+    """What saw the fault of a port: the tool, and assertions of a checker or name of a test; nothing if none did.
+
+    A simulation that does not end says nothing of the port: the tool is then nothing, too, and by is TIMEOUT.
+    """
 
     entity: str
     port: str
@@ -111,9 +118,50 @@ def try_port(port: Port, root: Path) -> Found:
             raise InputError(f"{port.entity}.{port.name}: a fault at this port does not compile")
         tests = [test for test in relevant_tests(port.entity, root / "rtl", root / "tb") if "formal" not in test]
         result, test = run_tests(root, rtl, Path(folder) / "build", tests, TIMEOUT_S)
-        if result not in (CAUGHT, SURVIVED):
-            return Found(port.entity, port.name, TIMEOUT if result == TIMEOUT else "", "")
-        return Found(port.entity, port.name, *((_BY_TEST, test) if result == CAUGHT else ("", "")))
+        if result == CAUGHT:
+            return Found(port.entity, port.name, _BY_TEST, test)
+        return Found(port.entity, port.name, "", TIMEOUT if result == TIMEOUT else "")
+
+
+class Verdicts:
+    """What found each fault, in a CSV file, with a key of all that this rests on in the tree of root."""
+
+    _COLUMNS = ("entity", "port", "tool", "by", "key")
+
+    def __init__(self, path: Path, root: Path):
+        self._path, self._root = path, root
+        lines = csv.DictReader(path.read_text().splitlines()) if path.exists() else []
+        self._kept = {(line["entity"], line["port"]): line for line in lines}
+
+    def known(self, port: Port) -> Found | None:
+        """The verdict on a port, when nothing that it rests on has changed."""
+        line = self._kept.get((port.entity, port.name))
+        found = line and Found(*(line[name] for name in self._COLUMNS[:-1]))
+        return found if found and line["key"] == self._key(found) else None
+
+    def keep(self, found: Found) -> None:
+        """Write the table with this verdict."""
+        self._kept[found.entity, found.port] = dict(
+            zip(self._COLUMNS, (*astuple(found), self._key(found)), strict=True)
+        )
+        text = io.StringIO()
+        writer = csv.DictWriter(text, self._COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(line for _, line in sorted(self._kept.items()))
+        write_atomically(self._path, text.getvalue())
+
+    def _key(self, found: Found) -> str:
+        """Of the entity, and of the checker or test that found the fault; of all that did not, where none did."""
+        rtl, tb = self._root / "rtl", self._root / "tb"
+        if found.tool == _BY_PROOF:
+            names = [f"formal/{found.by.partition(':')[0]}.sv"]
+        elif found.tool == _BY_TEST:
+            names = [found.by.partition("::")[0]]
+        else:
+            names = [*relevant_tests(found.entity, rtl, tb), *sorted(f"formal/{p.name}" for p in tb.glob("formal/*"))]
+        files = [source_of(rtl, found.entity), *(tb / name for name in names)]
+        digests = "".join(hashlib.sha256(file.read_bytes()).hexdigest() for file in files)
+        return hashlib.sha256(digests.encode()).hexdigest()[:16]
 
 
 INTRODUCTION = """\
@@ -123,7 +171,9 @@ Written by `make ports`. The list is made from the VHDL: every output port of ev
 one a fault is planted, by itself: its lowest bit inverted (of a record, that of its first field), while the entity goes
 on reading the right value. First the proofs of the entity are tried ([which](formal.md)), and every assertion that
 breaks is named; where arithmetic is out of their reach, or nothing is proven of the port, the tests in which the entity
-runs, which compare it clock by clock with its twin in Python, until the first fails.
+runs, which compare it clock by clock with its twin in Python, until the first fails. A simulation that does not end is
+no test that fails: it has found nothing. Verdicts are kept in `ports.csv`; a port is tried again when its entity has
+changed, or what found its fault.
 
 | entity | port | found by | assertions that break, or test that fails |
 |---|---|---|---|
@@ -133,7 +183,6 @@ runs, which compare it clock by clock with its twin in Python, until the first f
 def markdown(found: list[Found], n_ports: int) -> str:
     """A row per port that was tried, how many of them were found, and how many of all n_ports were tried."""
     rows = [f"| {f.entity} | {f.port} | {f.tool or '**nothing**'} | {f.by} |" for f in found]
-    n = {tool: sum(f.tool == tool for f in found) for tool in (_BY_PROOF, _BY_TEST, TIMEOUT)}
+    n = {tool: sum(f.tool == tool for f in found) for tool in (_BY_PROOF, _BY_TEST)}
     told = f"{sum(n.values())} of {len(found)} ports: {n[_BY_PROOF]} by proof, {n[_BY_TEST]} by a test"
-    told += f", {n[TIMEOUT]} by a simulation that does not end" if n[TIMEOUT] else ""
     return INTRODUCTION + "\n".join(rows) + f"\n\nFound: {told}. Tried: {len(found)} of {n_ports} ports.\n"
