@@ -16,7 +16,7 @@ from gravcomp.robot.machine import load_machine
 from gravcomp.robot.protocol import HasPassiveJoints, PoseError
 from gravcomp.training.training import N_TEST_POSES, workspace_set
 from gravcomp.twin.network import core
-from gravcomp.twin.precision import MAX_SHARE
+from gravcomp.twin.precision import MAX_SHARE, WHOLE_MN
 from machines import MACHINE, P
 from mechanisms import SHIPPED_MECHANISMS, WEIGHTS, body, mechanism, mjcf, write_mechanism
 
@@ -372,7 +372,7 @@ def test_workspace_of_poses_is_its_rows(tmp_path):
 
 
 # RMS error in percent of the RMS effort, over poses that training has not seen, that a shipped network keeps.
-REACHED = {"slide": 0.01, "arm2": 0.1, "fivebar": 0.2}
+REACHED = {"slide": 0.01, "arm2": 0.1, "fivebar": 0.2, "so101": 0.2}
 
 
 @pytest.mark.parametrize("name", REACHED)
@@ -391,4 +391,4 @@ def test_shipped_network_holds_its_machine_and_fits_the_core(name, tmp_path):
     counts = machine.drive.counts(unseen.q)
     exact = network.forces(machine.drive.positions(counts))
     error_mn = core(counts, fixed).force_mn - 1000 * exact
-    assert np.sqrt(np.mean(error_mn**2)) <= 1000 * MAX_SHARE * float(network.f_scale.max())
+    assert np.sqrt(np.mean(error_mn**2)) <= np.hypot(1000 * MAX_SHARE * float(network.f_scale.max()), WHOLE_MN)

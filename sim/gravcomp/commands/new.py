@@ -1,7 +1,7 @@
 """Write a project folder: a machine, the RTL with its ROM, the C driver, a Makefile, scripts for the vendors' tools.
 
 FOLDER must be absent or empty. --robot takes a machine folder, or the name of a machine that is built in: spheiro,
-slide, arm2 and fivebar have a network, so101 and ur5 are to be trained. --from takes a URDF or MJCF: axes,
+slide, arm2, fivebar and so101 have a network, ur5 is to be trained. --from takes a URDF or MJCF: axes,
 ranges and units are read from it, and robot.toml asks by name for what it does not tell.
 """
 

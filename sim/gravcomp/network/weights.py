@@ -46,7 +46,8 @@ class Network:
     inputs: tuple[str, ...] = ()
 
     def __post_init__(self):
-        object.__setattr__(self, "inputs", self.inputs or (POSITION,) * len(self.position_units))
+        if SIN_COS not in self.inputs:
+            object.__setattr__(self, "inputs", (POSITION,) * len(self.q_offset))
 
     @property
     def n_hidden(self) -> int:

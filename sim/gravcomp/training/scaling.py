@@ -11,7 +11,7 @@ from gravcomp.errors import InputError
 from gravcomp.network.inputs import POSITION, SIN_COS, inputs_of
 from gravcomp.robot.machine import Machine
 
-_LEAST_SHARE = 1.0 / 64.0  # of the largest scale of efforts in another unit: all have one format in hardware
+LEAST_SHARE = 1.0 / 64.0  # of the largest scale of efforts: all have one format in hardware
 
 
 @dataclass(frozen=True)
@@ -68,5 +68,5 @@ def _effort_scale(half: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
     Where nothing in a unit bears a load it is 1, or what the common format of all scales can hold.
     """
     largest = {unit: max(h for h, own in zip(half, units, strict=True) if own == unit) for unit in units}
-    least = _LEAST_SHARE * max(largest.values())
+    least = LEAST_SHARE * max(largest.values())
     return np.array([max(largest[unit], least) or 1.0 for unit in units])

@@ -4,6 +4,7 @@ All values of a table share one format, which its largest sets. One huge weight 
 sum overflows by it: only this comparison tells.
 """
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,6 +20,7 @@ N_COUNTS, SEED = 20000, 43
 # Of the largest f_scale, RMS. Ten times what the formats cost a network that uses their bits well, and a quarter of
 # what the shipped one misses of the statics.
 MAX_SHARE = 2.5e-4
+WHOLE_MN = 12.0**-0.5  # RMS of what whole mN or mNm leave of any effort: small robots are not refused for it
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def precision(
     return Precision(
         _rms(error_mn),
         float(np.abs(error_mn).max()),
-        1000.0 * MAX_SHARE * float(network.f_scale.max()),
+        math.hypot(1000.0 * MAX_SHARE * float(network.f_scale.max()), WHOLE_MN),
         tuple(sorted(stages, key=lambda stage: -stage.rms_mn)),
     )
 
@@ -85,8 +87,8 @@ def certified(found: Precision, folder: Path | str, core_folder: Path | str | No
         else "retrain with smaller values there, or spread this one over others"
     )
     raise InputError(
-        f"{where} sets a format so coarse that forces are {found.rms_mn:.0f} mN RMS off, limit {found.limit_mn:.1f} mN "
-        f"(its stage alone: {stage.rms_mn:.0f} mN); {mend}"
+        f"{where} sets a format so coarse that forces are {found.rms_mn:.3g} mN RMS off, limit {found.limit_mn:.3g} mN "
+        f"(its stage alone: {stage.rms_mn:.3g} mN); {mend}"
     )
 
 
