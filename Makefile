@@ -18,7 +18,6 @@ setup:
 
 sim: setup ## the main job: robot poses through the encoder pins of the VHDL under GHDL; table and pictures
 	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)" --check
-	@$(PYTEST) -v tb/test_rtl_force_path.py -k "poses_of_the_workspace or continuous_motion or waveform"
 	@$(LAB) sim-report --weights "$(WEIGHTS)"
 
 formal: setup ## what is proven about the hardware, for every input and without a bound; docs/measured/formal.md says how

@@ -16,8 +16,8 @@ from gravcomp.core.image import Image, load_image
 from gravcomp.network.weights import load_network
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
+from gravcomp_lab.benches.force_path import CLOCKS_BEHIND_CORE, Bench
 from machines import MACHINE, machine_folder
-from test_rtl_force_path import CLOCKS_BEHIND_CORE, Bench
 
 SPHEIRO = ROOT / "weights" / "spheiro"
 ROM, FIRST, SECOND = 0, 1, 2  # what sts_bank says

@@ -3,17 +3,18 @@
 import pytest
 
 from codes import ROOT
+from gravcomp.core.formats import FORCE_BITS
+from gravcomp.errors import InputError
 from gravcomp_lab.__main__ import main
+from gravcomp_lab.simulated.pictures import run_picture
 
 WEIGHTS = ["--weights", str(ROOT / "weights" / "spheiro")]
-RUN_HEADER = "set,count1,count2,count3,f1_mn,f2_mn,f3_mn\n"
 
 
 @pytest.mark.parametrize(
     ("command", "name", "damaged"),
     [
         (["budget", *WEIGHTS, "--rtl", "budget.json"], "budget.json", ["{", "[1]", '[{"kind": "sums"}]']),
-        (["sim-report", *WEIGHTS, "--run", "."], "poses.csv", ["", RUN_HEADER, RUN_HEADER + "a,b,c,d,e,f,g\n"]),
     ],
 )
 def test_report_refuses_a_missing_or_damaged_run_in_one_line(command, name, damaged, tmp_path, monkeypatch, capsys):
@@ -28,13 +29,17 @@ def test_report_refuses_a_missing_or_damaged_run_in_one_line(command, name, dama
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
-def test_report_refuses_a_damaged_waveform_before_it_draws(tmp_path, capsys):
-    (tmp_path / "poses.csv").write_text(RUN_HEADER + "home,0,0,0,50294,50294,50294\n")
+def test_picture_of_a_damaged_waveform_is_refused(tmp_path):
     (tmp_path / "run.vcd").write_text("nonsense")
-    assert main(["sim-report", *WEIGHTS, "--run", str(tmp_path)]) == 2
+    with pytest.raises(InputError, match=r"run.vcd: no waveform of a run, or a damaged one"):
+        run_picture(tmp_path / "run.vcd", 3, FORCE_BITS)
+
+
+def test_simulation_without_rtl_is_refused_in_one_line(tmp_path, capsys):
+    assert main(["sim-report", *WEIGHTS, "--rtl", str(tmp_path), "--build", str(tmp_path)]) == 2
     printed = capsys.readouterr()
     assert (printed.out, printed.err.count("\n")) == ("", 1)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["poses.csv", "run.vcd"]
+    assert not list(tmp_path.iterdir())
 
 
 def test_latency_of_a_core_is_measured_by_the_command(tmp_path, capsys):

@@ -13,9 +13,9 @@ from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.facts import COMPENSATOR_CLOCKS
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator, friction
+from gravcomp_lab.benches.force_path import Bench
 from gravcomp_lab.benches.stream import latencies, start, stream
 from runner import BUILD, simulate
-from test_rtl_force_path import Bench
 
 OUTPUTS = ["out_force", "out_saturated"]
 LATENCY = COMPENSATOR_CLOCKS
