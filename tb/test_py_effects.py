@@ -102,7 +102,8 @@ def passive_friction(data, params):
         [(passive_positions(data.q + step * e) - passive_positions(data.q - step * e)) / (2 * step) for e in np.eye(3)],
         axis=-1,
     )
-    level = np.repeat([params["fc_prismatic_n"], params["fc_rotary_nm"]], 3)
+    kinds = ("fc_prismatic_n", "fc_rotary_nm")
+    level = np.array([params.get(kind, params.get(f"{kind}_{leg}")) for kind in kinds for leg in AXES])
     return np.einsum("npk,np->nk", jacobian, level * np.sign(np.einsum("npk,nk->np", jacobian, data.v)))
 
 
@@ -188,6 +189,9 @@ CASES = {
                      ("fc", "fs"), stribeck),
     "passive joints": Case("PassiveJointFriction", {"fc_prismatic_n": 2.0, "fc_rotary_nm": 0.4},
                            ("fc_prismatic", "fc_rotary"), passive_friction, lambda: holds(5, 3), tolerance=1e-6),
+    "each passive joint": Case("FrictionOfEachPassiveJoint",
+                               each("fc_prismatic_n", 2.0, 1.5, 2.6) | each("fc_rotary_nm", 0.4, 0.5, 0.3),
+                               ("fc_prismatic", "fc_rotary"), passive_friction, lambda: holds(5, 3), tolerance=1e-6),
     "load": Case("LoadDependentFriction", each("mu", 0.02, 0.05, 0.03), ("mu",),
                  lambda d, p: at(p, "mu") * np.abs(statics(d.q)) * np.sign(d.v)),
     "position": Case("PositionDependentFriction", each("fc", 1.0, 2.0, 0.9) | each("slope", 4.0, -9.0, 6.0),
@@ -237,7 +241,7 @@ def effect_of(case: Case):
 
 
 def stem(label: str) -> str:
-    return re.sub(r"_(\d+(_h\d+)?|n|nm|s|[xyz]|[ab]|cos|sin)$", "", label)
+    return re.sub(r"_((n_|nm_)?\d+(_h\d+)?|n|nm|s|[xyz]|[ab]|cos|sin)$", "", label)
 
 
 def inner(force: np.ndarray) -> np.ndarray:
@@ -432,6 +436,18 @@ def test_passive_joint_of_an_axis_at_rest_has_no_friction():
     data = replace(data, v=data.v * [1.0, 0.0, 0.0])
     sliding = effect_named("passive_joint_friction").predict(data, {"fc_prismatic_n": 2.0, "fc_rotary_nm": 0.0})
     np.testing.assert_allclose(sliding[:, 1:], 0.0, atol=1e-6)
+
+
+def test_passive_joint_that_reverses_leaves_its_friction_in_doubt():
+    """v read on a grid of 1 mm/s: where a joint's speed could have either sign, all of its friction may be wrong."""
+    data = replace(holds(400, 1), v=np.round(1e3 * motion(400).v) * 1e-3)
+    effect = effect_named("passive_joint_friction")
+    doubt = effect.doubt(data, {"fc_prismatic_n": 2.0, "fc_rotary_nm": 0.0})
+    jacobian = data.robot.passive_jacobian(data.q)[:, :3]
+    slow = np.abs(np.einsum("npk,nk->np", jacobian, data.v)) < np.einsum("npk,nk->np", np.abs(jacobian), data.dead_band)
+    assert 0.01 < slow.mean() < 0.9
+    np.testing.assert_allclose(doubt, 2.0 * np.einsum("npk,np->nk", np.abs(jacobian), slow), atol=1e-9)
+    assert not effect_named("coulomb_friction").doubt(data, {"fc_1": 1.0}).any()
 
 
 def test_drift_over_time_is_the_same_on_a_log_with_temperature():

@@ -6,7 +6,7 @@
 3. Exact fit of the chosen effects, on the training blocks; errors on held-out blocks that no fit has seen.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -20,7 +20,7 @@ from gravcomp.diagnosis.fit import Entry, Fit, fit_terms
 from gravcomp.diagnosis.gram import Gram
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.noise import Noise, model_free
-from gravcomp.diagnosis.rules import Choice, alternatives, choose
+from gravcomp.diagnosis.rules import Choice, alternatives, certain, choose
 from gravcomp.diagnosis.thresholds import (
     AS_MUCH,
     CLEARLY_LESS,
@@ -30,6 +30,7 @@ from gravcomp.diagnosis.thresholds import (
     ROUNDS,
     SAME_COLUMN,
     SEARCH_SAMPLES,
+    SLOW_SHARE,
     TINY,
 )
 from gravcomp.diagnosis.withdrawal import confirmed
@@ -132,11 +133,26 @@ def _search_rows(train: np.ndarray) -> np.ndarray:
 
 
 def _attempt(data: Measurement, of_sensors: list[Entry], model: Model, train, blocks, tick) -> _Attempt:
-    before = data.force - data.nominal - model.predict(data)
+    """Once more without the samples whose direction an effect found does not tell, where there are such."""
     tick("effects")
+    first = _read(data, of_sensors, model, train, blocks, tick)
+    own = [entry.term.candidate.doubt(data, entry.parameters) for entry in first.fit.effects]
+    slow = sum(own, np.zeros(data.shape)) > first.found.noise
+    if not slow.any() or (slow.mean(axis=0) > SLOW_SHARE).any():
+        return first
+    return _read(replace(data, slow=slow), of_sensors, model, train, blocks, lambda what: None)
+
+
+def _read(data: Measurement, of_sensors: list[Entry], model: Model, train, blocks, tick) -> _Attempt:
+    before = data.force - data.nominal - model.predict(data)
     found = _search(data, before, _search_rows(train), model.parameters, tick)
     tick("fit")
     fit = _fit(data, before, train, blocks, found, model.parameters)
+    noise = model_free(data, before - fit.predict(data), ~data.is_undecided)
+    choice = certain(found.criterion, found.choice, noise.sigma)
+    if choice != found.choice:
+        found = replace(found, choice=choice)
+        fit = _fit(data, before, train, blocks, found, model.parameters)
     return _Attempt(data, of_sensors, before, found, fit, before - fit.predict(data))
 
 
@@ -342,7 +358,7 @@ def _fit(data: Measurement, before: np.ndarray, train: np.ndarray, blocks: np.nd
     fit = fitted(residual=before, effects=effects, corrections=[] if is_whole else found.corrections)
     simpler = [_reduced(data, entry) for entry in fit.effects]
     left_out = outliers.gross(data, (before - fit.predict(data))[train], train)
-    plain = confirmed(data, before, train, blocks, simpler, found.corrections, found.noise, left_out)
+    simpler, plain = confirmed(data, before, train, blocks, simpler, found.corrections, found.noise, left_out)
     together = [] if is_whole else plain
     if left_out.any() or [*simpler, *together] != [entry.term for entry in fit.entries]:
         fit = fitted(residual=before, effects=simpler, corrections=together, left_out=left_out)

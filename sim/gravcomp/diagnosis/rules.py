@@ -10,7 +10,9 @@ from gravcomp.diagnosis.thresholds import (
     BESIDE_CORRECTION,
     IMPOSSIBLE,
     MISSED,
+    NAMED_BESIDE,
     PHYSICAL_PRICE,
+    REMAINDER,
     SAME_SCORE,
     TIE,
     TINY,
@@ -48,6 +50,28 @@ def choose(criterion: Criterion) -> Choice:
         free = _unambiguous(criterion, climb(criterion, free, criterion.corrections, locked=free))
         free = climb(criterion, free, criterion.corrections, locked=free)
     return Choice(_pruned(criterion, free), False)
+
+
+def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:
+    """The choice without names that could imitate a part of what no name accounts for.
+
+    noise (k,): what no model made. Where effects leave more than REMAINDER times that, each has to account for
+    NAMED_BESIDE times what they leave of it, beside all other terms; the weakest goes first.
+    """
+    gram, members = criterion.gram, choice.members
+    floor = float(gram.independent @ np.square(noise))
+    while effects := criterion.effects_of(members):
+        unnamed = criterion.left(effects) - floor
+        if unnamed < (REMAINDER**2 - 1.0) * floor:
+            break
+        lost = {k: criterion.left(members - {k}) - criterion.left(members) for k in effects}
+        weakest = min(lost, key=lost.get)
+        if lost[weakest] >= NAMED_BESIDE * unnamed:
+            break
+        members = members - {weakest}
+    if members == choice.members:
+        return choice
+    return Choice(climb(criterion, members, criterion.corrections, locked=criterion.effects_of(members)), False)
 
 
 def alternatives(criterion: Criterion, choice: Choice) -> list[list[str]]:

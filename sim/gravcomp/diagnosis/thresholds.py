@@ -20,6 +20,7 @@ CANCELLATION = 3.0  # single terms may have this many times the energy of their 
 TRIFLE = 0.005  # of the energy explained: an effect below may imitate an error of the others; tuned
 TRIFLE_LEFT = 0.1  # of the energy left: an effect that takes more is none, however small beside the rest; tuned
 BESIDE_CORRECTION = 0.1  # of the energy explained: what a name must account for beside corrections; tuned
+NAMED_BESIDE = 2.0  # times what no name accounts for: what a name that accounts for less may be a part of; tuned
 MISSED = 0.005  # of the energy that can be explained: effects that miss less are the whole story; tuned
 VAGUE = 4  # names: beside corrections one with more rivals says nothing; tuned
 SAME_COLUMN = 1.0 - 1e-9  # correlation of two regressors that are one
@@ -32,6 +33,7 @@ GROSS = 8.0  # robust standard deviations outside the neighbours: a Gaussian nev
 GROSS_SHARE = 0.05  # of the samples: more are a part of the machine
 LEAK = 0.9  # correlation of the deviation from a place with the effort; 0.999 on a real joint without integral
 SIGN_GAIN = (-1.5, -0.67)  # effort over model: nearer -1 than any other reading
+SLOW_SHARE = 0.4  # of the samples of an axis at a reversal somewhere in the machine: with more too few are left
 TWO_VALUED = 4.5  # inner deviations between two means: 2.7 for a Gaussian, 3.5 for an even spread
 
 CLEARLY_LESS = 0.85  # of what the plain reading of a log leaves: another reading of it is the right one; tuned

@@ -1,4 +1,4 @@
-"""Corrections that do not hold where they were not fitted are withdrawn: cross-validation within the training."""
+"""Terms that do not hold where they were not fitted are withdrawn: cross-validation within the training."""
 
 import numpy as np
 from sklearn.model_selection import GroupKFold
@@ -14,16 +14,17 @@ _FOLDS = 4
 def confirmed(
     data: Measurement, residual: np.ndarray, rows: np.ndarray, blocks: np.ndarray, effects: list[Term],
     corrections: list[Term], noise: np.ndarray, left_out: np.ndarray,
-) -> list[Term]:  # fmt: skip
-    """The corrections without which blocks that were not fitted are predicted worse.
+) -> tuple[list[Term], list[Term]]:  # fmt: skip
+    """The effects and corrections without which blocks that were not fitted are predicted worse.
 
     residual (n, k); rows: of the training; left_out (rows, k). The weakest goes first, while that predicts better.
     """
-    if not corrections or len(np.unique(blocks[rows])) < _FOLDS:
-        return corrections
+    terms = [*effects, *corrections]
+    if not terms or len(np.unique(blocks[rows])) < _FOLDS:
+        return effects, corrections
     weight = (~data.is_undecided[rows] & ~left_out) / np.maximum(noise, TINY)
-    sizes = [len(term.labels) for term in (*effects, *corrections)]
-    x = np.concatenate([_columns(data, rows, term) for term in (*effects, *corrections)], axis=-1) * weight[..., None]
+    sizes = [len(term.labels) for term in terms]
+    x = np.concatenate([_columns(data, rows, term) for term in terms], axis=-1) * weight[..., None]
     y = residual[rows] * weight
     x = x / np.maximum(np.sqrt(np.mean(x**2, axis=(0, 1))), TINY)
     place = np.split(np.arange(x.shape[-1]), np.cumsum(sizes)[:-1])
@@ -42,14 +43,14 @@ def confirmed(
             total += theta @ gram[np.ix_(index, index)] @ theta - 2.0 * theta @ cross[index]
         return float(total)
 
-    kept = list(range(len(sizes)))
-    while removable := [k for k in kept if k >= len(effects)]:
-        without = {k: error([j for j in kept if j != k]) for k in removable}
+    kept = list(range(len(terms)))
+    while kept:
+        without = {k: error([j for j in kept if j != k]) for k in kept}
         worst = min(without, key=without.get)
         if without[worst] > error(kept):
             break
         kept.remove(worst)
-    return [term for k, term in enumerate(corrections) if k + len(effects) in kept]
+    return [terms[k] for k in kept if k < len(effects)], [terms[k] for k in kept if k >= len(effects)]
 
 
 def _columns(data: Measurement, rows: np.ndarray, term: Term) -> np.ndarray:

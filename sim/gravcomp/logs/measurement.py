@@ -27,7 +27,8 @@ class Measurement:
     nominal (n, k) measured and modelled effort in ``unit``; temp_c (n,) or None; position_units one per axis;
     force_at: f_model as a function of q (n, k) -> (n, k), or None when only its values at the samples are known;
     robot: what the model is of, or None where its values alone are known; run (n,): which run a row belongs to, where
-    runs were joined; unsure (n, k): samples at which the direction is not sure for another reason than v; units: of
+    runs were joined; unsure (n, k): samples at which the direction is not sure for another reason than v;
+    slow (n, k): samples at which a joint that is no axis reverses; units: of
     effort per axis, where they differ; notes: what reading the log had to put right, a line each; n_dropped: rows
     without a value, or with a mark for one, that are not here.
     """
@@ -45,6 +46,7 @@ class Measurement:
     robot: Robot | None = field(default=None, repr=False)
     run: np.ndarray | None = field(default=None, repr=False)
     unsure: np.ndarray | None = field(default=None, repr=False)
+    slow: np.ndarray | None = field(default=None, repr=False)
     units: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     n_dropped: int = 0
@@ -89,7 +91,8 @@ class Measurement:
         if self.v is None:
             return np.zeros(self.shape, bool)
         still = self.direction == 0.0
-        return still & (still.mean(axis=0) < _STANDS_STILL)
+        still &= still.mean(axis=0) < _STANDS_STILL
+        return still if self.slow is None else still | self.slow
 
     @property
     def is_undecided(self) -> np.ndarray:

@@ -66,6 +66,10 @@ class Effect(Candidate):
         """Names of effects that give the same force on any data, with other parameters."""
         return ()
 
+    def doubt(self, data: Measurement, parameters: Mapping[str, float]) -> np.ndarray:
+        """How much of the force (n, k) has a direction that the log does not tell, beside that of the axes."""
+        return np.zeros(data.shape)
+
     def constants(self, data: Measurement, parameters: Mapping[str, float]) -> dict[str, np.ndarray]:
         """Of an effect that goes into the compensator: its constants by name of the field of Compensation."""
         raise NotImplementedError

@@ -19,6 +19,7 @@ class PassiveJointFriction(Effect):
     units = {"fc_prismatic": "N", "fc_rotary": "Nm"}  # noqa: RUF012
     positive = ("fc_prismatic", "fc_rotary")
     per_axis = False
+    is_linear = True
     complexity = 2.0
 
     def unavailable(self, data):
@@ -27,18 +28,20 @@ class PassiveJointFriction(Effect):
         )
 
     def columns(self, data, shape):
-        jacobian = data.robot.passive_jacobian(data.q)
-        speed = np.einsum("npk,nk->np", jacobian, data.v)
-        # where v is read on a grid, a slow joint's sign is not sure: its mean over what v may be
-        unsure = np.einsum("npk,nk->np", np.abs(jacobian), data.dead_band)
-        unsure += _ROUNDING * np.linalg.norm(jacobian, axis=2) * np.linalg.norm(data.v, axis=1)[:, None]
-        moving = np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)
-        force = jacobian * moving[..., None]
-        is_prismatic = np.array([unit == "m" for unit in data.robot.passive_units])
+        force = _by_joint(data)
+        is_prismatic = _is_prismatic(data)
         return {
             Parameter("fc_prismatic_n"): force[:, is_prismatic].sum(axis=1),
             Parameter("fc_rotary_nm"): force[:, ~is_prismatic].sum(axis=1),
         }
+
+    def predict(self, data, parameters):
+        return np.einsum("npk,p->nk", _by_joint(data), _levels(data, parameters))
+
+    def doubt(self, data, parameters):
+        jacobian, speed, unsure = _motion(data)
+        level = _levels(data, parameters) * (np.abs(speed) < unsure)
+        return np.einsum("npk,np->nk", np.abs(jacobian), np.abs(level))
 
     def constants(self, data, parameters):
         """The Coulomb friction that is nearest to these forces in the mean square."""
@@ -47,3 +50,46 @@ class PassiveJointFriction(Effect):
 
     def contrasts(self, labels):
         return [{label: 1.0} for label in labels]
+
+
+class FrictionOfEachPassiveJoint(PassiveJointFriction):
+    """J_p^T (fc sign(v_p)), each passive joint with a level of its own, numbered within its kind."""
+
+    complexity = 3.0
+
+    def columns(self, data, shape):
+        return dict(zip(_names(data), _by_joint(data).transpose(1, 0, 2), strict=True))
+
+
+def _is_prismatic(data) -> np.ndarray:
+    return np.array([unit == "m" for unit in data.robot.passive_units])
+
+
+def _names(data) -> list[Parameter]:
+    """Parameter of the level of each passive joint."""
+    is_prismatic = _is_prismatic(data)
+    number = np.where(is_prismatic, np.cumsum(is_prismatic), np.cumsum(~is_prismatic)) - 1
+    stems = np.where(is_prismatic, "fc_prismatic_n", "fc_rotary_nm")
+    return [Parameter(str(stem), int(own)) for stem, own in zip(stems, number, strict=True)]
+
+
+def _levels(data, parameters) -> np.ndarray:
+    """Friction of each passive joint, (p,): of its kind, its own, or both."""
+    names = _names(data)
+    return np.array([parameters.get(own.stem, 0.0) + parameters.get(own, 0.0) for own in names])
+
+
+def _by_joint(data) -> np.ndarray:
+    """What each passive joint's friction of level one adds to the axes, (n, p, k)."""
+    jacobian, speed, unsure = _motion(data)
+    # where v is read on a grid, a slow joint's sign is not sure: its mean over what v may be
+    return jacobian * np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)[..., None]
+
+
+def _motion(data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Jacobian of the passive joints (n, p, k), their speeds and the speeds below which the sign is not sure (n, p)."""
+    jacobian = data.robot.passive_jacobian(data.q)
+    speed = np.einsum("npk,nk->np", jacobian, data.v)
+    unsure = np.einsum("npk,nk->np", np.abs(jacobian), data.dead_band)
+    unsure += _ROUNDING * np.linalg.norm(jacobian, axis=2) * np.linalg.norm(data.v, axis=1)[:, None]
+    return jacobian, speed, unsure
