@@ -75,18 +75,27 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:
 
 
 def alternatives(criterion: Criterion, choice: Choice) -> list[list[str]]:
-    """Sets of effect names that the data cannot tell apart, each with the named effect first."""
+    """Sets of effect names that the data cannot tell apart, each with the named effect first.
+
+    Two that stand for one count where neither does so alone; a more general form of what is as good counts where the
+    data leave room for it.
+    """
     members = criterion.effects_of(choice.members) if choice.is_physics_whole else choice.members
-    return _rivals(criterion, members)
+    out: dict[str, list[str]] = {}
+    for j, near in _rivals(criterion, members):
+        alone = {pair[0] for pair in near if len(pair) == 1}
+        kept = [pair for pair in near if len(pair) == 1 or not alone & {*pair}]
+        kept = [pair for pair in kept if len(pair) > 1 or _has_room(criterion, members, j, pair[0])]
+        _add_names(out, criterion, j, kept)
+    return list(out.values())
 
 
-def _rivals(criterion: Criterion, members: Members) -> list[list[str]]:
-    own, terms = criterion.score(members), criterion.terms
-    found: dict[str, list[str]] = {}
+def _rivals(criterion: Criterion, members: Members) -> list[tuple[int, list[tuple[int, ...]]]]:
+    """By effect of the set the terms, alone or two together, that would be as good in its place, the best first."""
+    own, terms, out = criterion.score(members), criterion.terms, []
     for j in sorted(criterion.effects_of(members)):
         rest, name = members - {j}, terms[j].name
         rivals = [k for k in criterion.effects if terms[k].name != name and fits(criterion, rest, k)]
-        rivals = [k for k in rivals if _has_room(criterion, members, j, k)]
         close = [(criterion.score(rest | {k}), (k,)) for k in rivals]
         simple = [k for k in rivals if terms[k].candidate.is_simple]
         close += [
@@ -96,25 +105,37 @@ def _rivals(criterion: Criterion, members: Members) -> list[list[str]]:
             if terms[k].name != terms[h].name
         ]
         near = [pair for score, pair in sorted(close) if score < own + TIE + PHYSICAL_PRICE * (len(pair) - 1)]
-        others = list(dict.fromkeys(terms[k].name for pair in near for k in pair))
-        if others:
-            found.setdefault(name, [name]).extend(other for other in others if other not in found[name])
-    return list(found.values())
+        out.append((j, near))
+    return out
+
+
+def _add_names(out: dict[str, list[str]], criterion: Criterion, j: int, near: list[tuple[int, ...]]) -> None:
+    """The names of near terms behind that of term j, none twice; nothing where there are none."""
+    name = criterion.terms[j].name
+    others = list(dict.fromkeys(criterion.terms[k].name for pair in near for k in pair))
+    if others:
+        out.setdefault(name, [name]).extend(other for other in others if other not in out[name])
 
 
 def _has_room(criterion: Criterion, members: Members, j: int, k: int) -> bool:
-    """Does this data leave room for term k, where it is a more general form of term j, to be more than that?
+    """Does this data leave room for term k, where its special case is as good in the place of term j, to be more?
 
-    What it adds may be a trifle, of 95 % confidence: then k is j, and no rival of it.
+    What it adds may be a trifle at most, of 95 % confidence: then k is its special case, and no rival of its own.
     """
-    terms, left = criterion.terms, criterion.left(members)
-    if terms[k].candidate.special_case != terms[j].name:
+    terms, rest = criterion.terms, members - {j}
+    special = [s for s in criterion.effects if terms[s].name == terms[k].candidate.special_case]
+    special = (
+        [j] if terms[j].name == terms[k].candidate.special_case else [s for s in special if fits(criterion, rest, s)]
+    )
+    best = min((rest | {s} for s in special), key=criterion.score, default=None)
+    if best is None or criterion.score(best) > criterion.score(members) + TIE:
         return True
+    left = criterion.left(best)
     variance = left / max(float(criterion.gram.independent.sum()), TINY)
-    gain = max(left - criterion.left(members - {j} | {k}), 0.0)
-    more = max(len(terms[k].labels) - len(terms[j].labels), 1)
+    gain = max(left - criterion.left(rest | {k}), 0.0)
+    more = max(len(terms[k].labels) - sum(len(terms[s].labels) for s in best - rest), 1)
     most = (np.sqrt(gain) + 2.0 * np.sqrt(more * variance)) ** 2
-    return bool(most >= TRIFLE * (criterion.left(members - {j}) - left))
+    return bool(most >= TRIFLE * (criterion.left(rest) - left))
 
 
 def _simplest(criterion: Criterion, members: Members) -> Members:
@@ -173,7 +194,10 @@ def _trifles_dropped(criterion: Criterion, members: Members) -> Members:
 
 def _unambiguous(criterion: Criterion, members: Members) -> Members:
     """Beside corrections, a name that many others could take as well says nothing: drop it."""
-    vague = {names[0] for names in _rivals(criterion, members) if len(names) > VAGUE}
+    found: dict[str, list[str]] = {}
+    for j, near in _rivals(criterion, members):
+        _add_names(found, criterion, j, near)
+    vague = {names[0] for names in found.values() if len(names) > VAGUE}
     effects = criterion.effects_of(members)
     return frozenset(k for k in members if not (k in effects and criterion.terms[k].name in vague))
 
