@@ -8,7 +8,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind next-motion table2 lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind next-motion joint-stages table2 lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -107,6 +107,9 @@ blind: setup ## tally of the diagnosis on data sets drawn by seed; docs/measured
 
 next-motion: setup ## does one planned measurement leave one name? docs/measured/plan.md
 	@$(LAB) next-motion --docs docs/measured
+
+joint-stages: setup ## what stages for play and passive joints' friction would gain and cost; docs/measured/joints.md
+	@$(LAB) joint-stages --docs docs/measured
 
 table2: setup ## the paper's Table 2 on the virtual prototype; docs/measured/table2.md
 	@$(LAB) table2
