@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import mujoco
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -21,6 +22,7 @@ from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.periodogram import find_lines, pitch_of
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
+from gravcomp.robot.machine import load_machine
 from gravcomp.robot.spheiro.kinematics import direct_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from machines import P
@@ -40,16 +42,22 @@ CONTRACT = {
     "backlash": ({"gap": "[q]", "travel": "[q]"}, "none"),
     "cogging": ({"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}, "compensator"),
     "payload": ({"moment": "kg m", "torque": "[f]"}, "network"),
+    "body_moment": ({"moment": "kg m"}, "network"),
     "base_tilt": ({"tilt": "rad"}, "network"),
     "thrust_constant": ({"gain": "1"}, "network"),
     "encoder_offset": ({"offset": "[q]"}, "network"),
     "current_offset": ({"o": "[f]"}, "network"),
     "cable_spring": ({"k": "[f]/[q]", "q0": "[q]"}, "network"),
+    "nonlinear_cable_spring": (
+        {f"{part}{n}": ("[f]", "[f]/[q]", "[f]/[q]^2", "[f]/[q]^3", "[f]/[q]^4")[n] for part in "kh" for n in range(5)},
+        "network",
+    ),
     "link_compliance": ({"c": "[q]/[f]"}, "network"),
     "thermal_drift": ({"gain": "1 or 1/K", "tau": "s", "t0": "degC"}, "none"),
     "inertia": ({"m": "[f] s^2/[q]"}, "none"),
     "presliding_hysteresis": ({"fc": "[f]", "s": "[q]"}, "compensator"),
 }
+ARM2 = ROOT / "weights" / "arm2"
 OF_SENSORS = ("sensor_sign", "sensor_lag")  # not added to the model's force: they turn the log back
 AXES = (1, 2, 3)
 NOISE_N = 0.1
@@ -116,6 +124,44 @@ def payload(data, params):
 
     step = 1e-6
     return np.stack([(potential(data.q + step * e) - potential(data.q - step * e)) / (2 * step) for e in np.eye(3)], -1)
+
+
+def arm2_holds(n: int, seed: int) -> Measurement:
+    """Scattered poses of the arm of two links."""
+    robot = load_machine(ARM2).robot
+    q = robot.workspace(n, seed)
+    f = robot.forces(q)
+    return Measurement("arm2", 2.0 * np.arange(n), q, None, f, f, "Nm", ("rad",) * 2, None, robot.forces, robot)
+
+
+def moments_on_bodies(data, params):
+    """Gradient over q of -g . R_b (m r), R_b by the engine's own kinematics."""
+    model = mujoco.MjModel.from_xml_path(str(ARM2 / "arm2.xml"))
+    state = mujoco.MjData(model)
+
+    def potential(q):
+        state.qpos[:] = q
+        mujoco.mj_kinematics(model, state)
+        bodies = {name: state.body(name).xmat.reshape(3, 3) for name in ("upper_arm", "forearm")}
+        moment = sum(value * bodies[label[7:-2]][:, "xyz".index(label[-1])] for label, value in params.items())
+        return -model.opt.gravity @ moment
+
+    step = 1e-6 * np.eye(2)
+    return np.array([[(potential(q + e) - potential(q - e)) / 2e-6 for e in step] for q in data.q])
+
+
+def cable(data, params):
+    even, odd = (sum(at(params, f"{part}{n}") * data.q**n for n in range(5)) for part in "kh")
+    return even + odd * np.sign(data.v)
+
+
+def powers(part: str, *sizes: float) -> dict[str, float]:
+    """Terms of the order of newtons at 80 mm, another one on each axis."""
+    return {
+        label: value
+        for n, size in enumerate(sizes)
+        for label, value in each(f"{part}{n}", *(size * sign / 0.08**n for sign in (1.0, -1.2, 0.9))).items()
+    }
 
 
 def tilted(data, params):
@@ -210,6 +256,10 @@ CASES = {
     "payload of an arm": Case("Payload", {"torque_cos": 0.5, "torque_sin": -0.3}, ("torque",),
                               lambda d, p: p["torque_cos"] * np.cos(d.q) + p["torque_sin"] * np.sin(d.q),
                               lambda: arm(5, 1), lambda: arm(400, 2)),
+    "moments on bodies": Case("BodyMoment",
+                              {"moment_upper_arm_x": 0.2, "moment_upper_arm_z": -0.15, "moment_forearm_x": -0.1,
+                               "moment_forearm_z": 0.12}, ("moment",), moments_on_bodies,
+                              lambda: arm2_holds(6, 1), lambda: arm2_holds(400, 2), tolerance=1e-6),
     "tilt": Case("BaseTilt", {"tilt_a": 0.02, "tilt_b": -0.03}, ("tilt",), tilted, linear=False),
     "thrust constant": Case("ThrustConstant", each("gain", 0.02, -0.03, 0.05), ("gain",),
                             lambda d, p: at(p, "gain") * statics(d.q)),
@@ -219,7 +269,13 @@ CASES = {
                            lambda d, p: np.broadcast_to(at(p, "o"), d.shape)),
     "spring": Case("CableSpring", each("k", 30.0, -20.0, 40.0) | each("q0", 0.02, 0.05, -0.03), ("k",),
                    lambda d, p: at(p, "k") * (d.q - at(p, "q0"))),
-    "compliance": Case("LinkCompliance", each("c", 5e-5, 3e-5, 8e-5), ("c",),
+    "nonlinear cable": Case("NonlinearCableSpring", powers("k", 2.0, -3.0, 2.5, 3.0, -3.0),
+                            tuple(f"k{n}" for n in range(5)), cable),
+    "nonlinear cable by direction": Case("DirectionalNonlinearCableSpring",
+                                         powers("k", 2.0, -3.0, 2.5, 3.0, -3.0)
+                                         | powers("h", 1.5, 3.0, -2.5, -3.0, 3.0),
+                                         tuple(f"{part}{n}" for part in "kh" for n in range(5)), cable),
+    "compliance": Case("LinkCompliance", each("c", -5e-5, -3e-5, -8e-5), ("c",),
                        lambda d, p: shifted(d, at(p, "c") * statics(d.q)), linear=False),
     "drift over time": Case("ThermalDrift", each("gain", 0.03, -0.04, 0.05) | {"tau_s": 120.0}, ("gain",),
                             lambda d, p: at(p, "gain") * (1 - np.exp(-d.t_s[:, None] / p["tau_s"])) * statics(d.q),
@@ -241,7 +297,9 @@ def effect_of(case: Case):
 
 
 def stem(label: str) -> str:
-    return re.sub(r"_((n_|nm_)?\d+(_h\d+)?|n|nm|s|[xyz]|[ab]|cos|sin)$", "", label)
+    """moment_forearm_x is the moment of a body."""
+    without = re.sub(r"_((n_|nm_)?\d+(_h\d+)?|n|nm|s|[xyz]|[ab]|cos|sin)$", "", label)
+    return "moment" if label.startswith("moment_") else without
 
 
 def inner(force: np.ndarray) -> np.ndarray:

@@ -57,7 +57,9 @@ def variables(data: Measurement) -> list[Variable]:
     """Every measured variable that varies in this data."""
     kinds = ["q", "f"] + (["v", "dir"] if data.has_velocity else [])
     own = [Variable(kind, axis) for pair in (kinds[:2], kinds[2:]) for kind in pair for axis in range(data.n_axes)]
-    own += [Variable("t")] + ([Variable("temp")] if data.temp_c is not None else [])
+    own += ([Variable("t")] if data.axis_as_time is None else []) + (
+        [Variable("temp")] if data.temp_c is not None else []
+    )
     return [variable for variable in own if np.ptp(variable.of(data)) > 0.0]
 
 
@@ -137,6 +139,10 @@ class Candidate:
             out[name] = (self.predict(data, {**parameters, name: parameters[name] + step}) - here) / step
         return out
 
+    def limits_in(self, data: Measurement) -> Mapping[str, float]:
+        """Largest sizes of parameters, by stem or by name, that this data leaves possible."""
+        return self.limits
+
     def groups(self, labels: tuple[Parameter, ...]) -> list[set[Parameter]]:
         """Labels that stay or go together when an axis has no part in it; none: all stay."""
         return []
@@ -167,6 +173,11 @@ class Term:
     candidate: Candidate
     labels: tuple[Parameter, ...]
     shape: Mapping = field(default_factory=dict)
+    limits: Mapping[str, float] = field(default_factory=dict)
+
+    def limit(self, label: str) -> float:
+        """The largest size of a parameter; infinite without one."""
+        return self.limits.get(label, self.limits.get(getattr(label, "stem", label), np.inf))
 
     @property
     def name(self) -> str:
@@ -183,7 +194,7 @@ class Regressor:
     @classmethod
     def of(cls, candidate: Candidate, data: Measurement, rows: np.ndarray, shape: Mapping = {}) -> "Regressor":
         labels, by_axis = candidate.regressors_by_axis(data, rows, shape)
-        return cls(Term(candidate, labels, shape), by_axis)
+        return cls(Term(candidate, labels, shape, candidate.limits_in(data)), by_axis)
 
     @property
     def has_part(self) -> bool:

@@ -197,6 +197,8 @@ def candidates(data: Measurement) -> list[Correction]:
 def scanned(data: Measurement, rows: np.ndarray, step: np.ndarray, wave: np.ndarray) -> list[Correction]:
     """Steps and waves in time that scans of two residuals (rows, k) propose."""
     out, time = [], (Variable("t"),)
+    if data.axis_as_time is not None:
+        return out
     for axis in range(data.n_axes):
         out.append(Step(axis, time, (step_in(data.t_s[rows], step[:, axis]),)))
         lines = find_lines(data.t_s[rows], wave[:, [axis]], 2)

@@ -38,8 +38,15 @@ class Criterion:
 
     def left(self, members: Members) -> float:
         """Residual sum of squares over the axes."""
+        return float(self._left_by_axis(members).sum())
+
+    def left_in_noise(self, members: Members) -> float:
+        """The same with each axis in units of its noise: a wrist counts as much as a shoulder."""
+        return float((self._left_by_axis(members) / np.maximum(self.gram.variance, TINY)).sum())
+
+    def _left_by_axis(self, members: Members) -> np.ndarray:
         columns = self.gram.of(self.index(members))
-        return float(columns.left(columns.solve()[0]).sum())
+        return columns.left(columns.solve()[0])
 
     def effects_of(self, members: Members) -> Members:
         return frozenset(k for k in members if self._whole[k] in self.effects)
@@ -50,7 +57,7 @@ class Criterion:
         for j, other in enumerate(self.terms):
             if self._whole[j] == self._whole[k] and other.labels == labels:
                 return j
-        self.terms.append(Term(term.candidate, labels, term.shape))
+        self.terms.append(Term(term.candidate, labels, term.shape, term.limits))
         self.place.append(np.array([self.place[k][term.labels.index(label)] for label in labels]))
         self._whole.append(self._whole[k])
         return len(self.terms) - 1
@@ -103,8 +110,8 @@ class Criterion:
                 if c @ theta + max(allowed, 0.0) < -NEGATIVE_Z * np.sqrt(max(c @ covariance @ c, TINY)):
                     return True
             for label in labels:
-                if label.stem in candidate.limits:
+                if np.isfinite(self.terms[k].limit(label)):
                     error = np.sqrt(max(covariance[at[label], at[label]], TINY))
-                    if abs(theta[at[label]]) > candidate.limits[label.stem] + NEGATIVE_Z * error:
+                    if abs(theta[at[label]]) > self.terms[k].limit(label) + NEGATIVE_Z * error:
                         return True
         return False

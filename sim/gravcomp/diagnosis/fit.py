@@ -209,13 +209,13 @@ def _bounds(effects, names, x0, known) -> tuple[np.ndarray, np.ndarray, np.ndarr
         candidate = effects[k].candidate
         if getattr(name, "stem", name) in candidate.scales:
             low[j] = 1e-6 * abs(x0[j])
-        if getattr(name, "stem", name) in candidate.limits:
-            low[j], high[j] = -candidate.limits[name.stem], candidate.limits[name.stem]
+        low[j], high[j] = max(low[j], -effects[k].limit(name)), effects[k].limit(name)
     for k, term in enumerate(effects):
         for contrast in term.candidate.contrasts(term.labels):
             own = [(place[k, label], factor, label) for label, factor in contrast.items() if (k, label) in place]
             if len(own) == len(contrast) == 1:
-                low[own[0][0]] = -term.candidate.allowance(own[0][2], known)
+                j, factor, label = own[0]
+                (low if factor > 0 else high)[j] = -np.sign(factor) * term.candidate.allowance(label, known)
             elif len(own) == len(contrast) == 2 and not known:
                 (a, _, _), (b, _, _) = sorted(own, key=lambda entry: -entry[1])
                 mix[a, b], low[a] = 1.0, 0.0

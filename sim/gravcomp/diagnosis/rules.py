@@ -36,7 +36,8 @@ def choose(criterion: Criterion) -> Choice:
     """
     every = [*criterion.effects, *criterion.corrections]
     effects = exchange(criterion, beam(criterion, criterion.effects), criterion.effects)
-    effects = _by_direction(criterion, _trifles_dropped(criterion, _simplest(criterion, effects)))
+    effects = _simpler_axes(criterion, _simplest(criterion, effects))
+    effects = _by_direction(criterion, _trifles_dropped(criterion, effects))
     effects = _pruned(criterion, effects)
     free = min((climb(criterion, start, every) for start in {EMPTY, effects}), key=criterion.score)
     free = exchange(criterion, free, every)
@@ -146,17 +147,40 @@ def _simplest(criterion: Criterion, members: Members) -> Members:
         if not options:
             continue
         best = rest | {min(options, key=lambda j: criterion.score(rest | {j}))}
-        gain = criterion.left(best) - criterion.left(members)
-        is_trifle = gain < TRIFLE * (criterion.left(EMPTY) - criterion.left(members))
-        if is_trifle and criterion.score(best) < IMPOSSIBLE:
+        if _is_trifle(criterion, best, members):
             members = best
+    return members
+
+
+def _is_trifle(criterion: Criterion, fewer: Members, members: Members) -> bool:
+    """Does the set explain next to nothing more than the smaller one, beside all that it explains and all it leaves?"""
+    left = criterion.left_in_noise(members)
+    lost, explained = criterion.left_in_noise(fewer) - left, criterion.left_in_noise(EMPTY) - left
+    return criterion.score(fewer) < IMPOSSIBLE and lost < min(TRIFLE * explained, TRIFLE_LEFT * left)
+
+
+def _simpler_axes(criterion: Criterion, members: Members) -> Members:
+    """On each axis by itself: simple effects in the place of a general one that gains next to nothing there."""
+    simple = [k for k in criterion.effects if criterion.terms[k].candidate.is_simple]
+    general = [k for k in members if criterion.terms[k].candidate.special_case]
+    for k in sorted(general):
+        axes = sorted({label.axis for label in criterion.terms[k].labels} - {None})
+        for axis in axes:
+            labels = criterion.terms[k].labels
+            kept = tuple(label for label in labels if label.axis != axis)
+            if not kept:
+                break
+            part = criterion.part(k, kept)
+            fewer = climb(criterion, (members - {k}) | {part}, simple)
+            if _is_trifle(criterion, fewer, members):
+                members, k = fewer, part
     return members
 
 
 def _by_direction(criterion: Criterion, members: Members) -> Members:
     """Where one friction differs by direction, the one that goes with it may too."""
     terms = criterion.terms
-    is_directional = {k: terms[k].candidate.is_directional(terms[k].labels) for k in criterion.effects}
+    is_directional = {k: terms[k].candidate.is_directional(terms[k].labels) for k in {*members, *criterion.effects}}
     for k in [k for k in members if is_directional[k]]:
         partner = next((j for j in members if terms[j].name == terms[k].candidate.differs_with), None)
         if partner is not None:
@@ -183,12 +207,11 @@ def _substantial(criterion: Criterion, members: Members, least: float) -> Member
 def _trifles_dropped(criterion: Criterion, members: Members) -> Members:
     """Drop effects, the weakest first, that are next to nothing beside what is explained and beside what is left."""
     while len(members) > 1:
-        left = criterion.left(members)
-        lost = {k: criterion.left(members - {k}) - left for k in criterion.effects_of(members)}
-        weakest = min(lost, key=lost.get)
-        if lost[weakest] >= min(TRIFLE * (criterion.left(EMPTY) - left), TRIFLE_LEFT * left):
+        fewer = [members - {k} for k in criterion.effects_of(members)]
+        trifles = [rest for rest in fewer if _is_trifle(criterion, rest, members)]
+        if not trifles:
             break
-        members = members - {weakest}
+        members = min(trifles, key=criterion.left_in_noise)
     return members
 
 
@@ -203,8 +226,11 @@ def _unambiguous(criterion: Criterion, members: Members) -> Members:
 
 
 def _pruned(criterion: Criterion, members: Members) -> Members:
-    """Drop the axes (harmonics) of an effect that the data does not support; the effect keeps one at least."""
-    for k in sorted(members):
+    """Drop the axes (harmonics) of an effect that the data does not support; the effect keeps one at least.
+
+    The less usual effects first: what two of them share stays with the other.
+    """
+    for k in sorted(members, key=lambda k: (-criterion.terms[k].candidate.price, k)):
         current = k
         for group in criterion.terms[k].candidate.groups(criterion.terms[k].labels):
             labels = criterion.terms[current].labels

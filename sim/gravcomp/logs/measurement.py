@@ -9,13 +9,14 @@ from scipy.signal import savgol_filter
 
 from gravcomp.logs.clock import derivative
 from gravcomp.logs.places import Places, places
-from gravcomp.robot.protocol import Robot
+from gravcomp.robot.protocol import HasBodies, Robot
 
 # A speed this far below the usual one has no sure direction.
 _DEAD_BAND_CAP = 0.02
 _STANDS_STILL = 0.3
 # Values of v on a grid: at least so many, not more than this part of the samples, none farther off than this.
 _FEWEST_ON_GRID, _GRID_SHARE, _OFF_GRID = 4, 0.7, 0.05
+_AS_TIME = 0.9  # of the variance of the time that places and directions of one axis tell
 _MOTION_TOLERANCE = 0.5  # of the step that v announces: rows that keep to it are motion, others are separate holds
 
 
@@ -159,6 +160,20 @@ class Measurement:
         """Axes that were held at places, several rows at each: their v is that of an approach."""
         return tuple(own is not None and own.count < 0.7 * len(self.t_s) for own in self.places)
 
+    @cached_property
+    def axis_as_time(self) -> int | None:
+        """The axis (from 0) whose places were visited one after the other, once in each direction: time cannot be told
+        from it. None where there is no such axis.
+        """
+        t = self.t_s - self.t_s.mean()
+        for i in np.flatnonzero(self.is_held):
+            way = np.zeros(len(t)) if self.v is None else np.sign(self.v[:, i])
+            of = np.unique(np.column_stack([self.places[i].centre, way]), axis=0, return_inverse=True)[1].ravel()
+            sums = np.bincount(of, t)
+            if np.sum(sums**2 / np.bincount(of)) > _AS_TIME * (t @ t):
+                return int(i)
+        return None
+
     @property
     def spacing(self) -> np.ndarray:
         """Distance of neighbouring places, (k,): a ripple that is not much longer can't be seen; 0 without places."""
@@ -200,6 +215,11 @@ class Measurement:
             for unit in np.eye(self.n_axes)
         ]
         return np.stack(columns, axis=-1)
+
+    @cached_property
+    def body_moments(self) -> np.ndarray | None:
+        """Efforts per kg m of first moment on each body of the robot, (n, k, b, 3); None where they are not known."""
+        return self.robot.moment_regressors(self.q) if isinstance(self.robot, HasBodies) else None
 
 
 def _grid_step(v: np.ndarray) -> float:

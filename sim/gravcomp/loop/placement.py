@@ -68,7 +68,7 @@ def compensation_from_effects(effects: Sequence[Mapping], data: Measurement, dri
     for effect in effects:
         known = effect_named(effect["name"])
         places[known.hardware].append(known.name)
-        if known.hardware == "compensator":
+        if known.hardware != "none":
             _add(constants, known.constants(data, effect["params"]))
     if any(getattr(constants, name).any() for name in FRICTION):
         full, fastest = _speed_range(data.v, drive)

@@ -115,6 +115,20 @@ class TakesPayload(Protocol):
 
 
 @runtime_checkable
+class HasBodies(Protocol):
+    """Can tell what an extra first moment on any of its bodies adds; the last one is that which takes a payload."""
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """From the base outward."""
+        ...
+
+    def moment_regressors(self, q: np.ndarray) -> np.ndarray:
+        """Efforts (..., n, b, 3) per kg m of first moment along the axes of each of the b bodies' frames."""
+        ...
+
+
+@runtime_checkable
 class HasPassiveJoints(Protocol):
     """Has joints without a motor."""
 

@@ -22,11 +22,11 @@ CASES = ("listed", "clean", "unlisted", "pair")
 # Two of these together are one of them with other parameters.
 ONE_EFFECT = (
     {"coulomb_friction", "stribeck_friction", "presliding_hysteresis"},
-    {"cable_spring", "current_offset"},
+    {"cable_spring", "current_offset", "nonlinear_cable_spring"},
 )
 UNLISTED = {
     "soft_stop": "q", "friction_bump": "q dir", "cross_coupling": "cross", "periodic_in_time": "t", "saturation": "f",
-    "air_drag": "v", "step_change": "t", "speed_coupling": "cross", "cubic_spring": "q",
+    "air_drag": "v", "step_change": "t", "speed_coupling": "cross",
 }  # fmt: skip
 
 
@@ -144,7 +144,7 @@ def _noise(data, rng) -> np.ndarray:
 
 def drawable(data) -> list[str]:
     names = ["coulomb_friction", "coulomb_friction", "viscous_friction", "stribeck_friction", "cogging",
-             "current_offset", "cable_spring", "thermal_drift"]  # fmt: skip
+             "current_offset", "cable_spring", "nonlinear_cable_spring", "thermal_drift"]  # fmt: skip
     if data.n_axes > 1 or data.unit == "Nm":
         names += ["thrust_constant", "load_dependent_friction", "payload"]
         names += ["encoder_offset", "backlash", "link_compliance"]
@@ -170,12 +170,13 @@ def listed(name: str, data, rng) -> Callable[[Measurement], np.ndarray]:
         if name == "stribeck_friction":
             top = np.quantile(np.abs(data.v), 0.95, axis=0)
             shape = {f"vs_{i + 1}": float(rng.uniform(0.1, 0.4) * top[i]) for i in range(data.n_axes)}
-    coefficients, force = {}, np.zeros(data.shape)
-    for label, column in effect.columns(data, shape).items():
+    coefficients, force, columns = {}, np.zeros(data.shape), effect.columns(data, shape)
+    sides = {label: side for one in effect.contrasts(tuple(columns)) if len(one) == 1 for label, side in one.items()}
+    for label, column in columns.items():
         if label.startswith(("c_", "level_")) and effect.per_axis:
             continue
-        is_signed = not effect.positive and not label.startswith(("k_", "gain_"))
-        factor = rng.uniform(0.5, 1.5) * (rng.choice([-1, 1]) if is_signed else 1.0)
+        is_signed = label not in sides and not effect.positive and not label.startswith(("k_", "gain_"))
+        factor = rng.uniform(0.5, 1.5) * (rng.choice([-1, 1]) if is_signed else sides.get(label, 1.0))
         factor /= max(np.sqrt(np.mean(column**2)), 1e-300)
         if name == "stribeck_friction":
             factor = rng.uniform(1.6, 2.5) if label.startswith("fs") else rng.uniform(0.6, 1.0)
@@ -191,7 +192,7 @@ def listed(name: str, data, rng) -> Callable[[Measurement], np.ndarray]:
 
 
 def _unlisted_for(data) -> list[str]:
-    names = ["soft_stop", "friction_bump", "periodic_in_time", "air_drag", "step_change", "cubic_spring"]
+    names = ["soft_stop", "friction_bump", "periodic_in_time", "air_drag", "step_change"]
     if data.n_axes > 1:
         names += ["cross_coupling", "saturation", "speed_coupling"]
     return names
@@ -212,7 +213,6 @@ def _unlisted(name: str, data, rng) -> tuple[np.ndarray, tuple[int, ...]]:
         "air_drag": lambda: v * np.abs(v),
         "step_change": lambda: (t > t[0] + rng.uniform(0.3, 0.7) * np.ptp(t)).astype(float),
         "speed_coupling": lambda: data.v[:, other],
-        "cubic_spring": lambda: x**3,
     }[name]()
     force = np.zeros(data.shape)
     force[:, axis] = f
@@ -226,7 +226,7 @@ def is_driver(case: Case, drivers: list[dict]) -> bool:
     axis, name = drivers[0]["axis"], drivers[0]["variable"]
     own, other = f"{case.axes[0] + 1}", f"{(case.axes[0] + 1) % case.data.n_axes + 1}"
     right = {
-        "soft_stop": {f"q{own}"}, "cubic_spring": {f"q{own}"}, "friction_bump": {f"q{own}", f"dir{own}"},
+        "soft_stop": {f"q{own}"}, "friction_bump": {f"q{own}", f"dir{own}"},
         "cross_coupling": {f"f{other}"}, "speed_coupling": {f"v{other}"}, "saturation": {f"f{own}"},
         "periodic_in_time": {"t"}, "step_change": {"t"}, "air_drag": {f"v{own}"},
     }[case.truth[0]]  # fmt: skip

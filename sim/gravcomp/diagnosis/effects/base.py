@@ -71,8 +71,8 @@ class Effect(Candidate):
         return np.zeros(data.shape)
 
     def constants(self, data: Measurement, parameters: Mapping[str, float]) -> dict[str, np.ndarray]:
-        """Of an effect that goes into the compensator: its constants by name of the field of Compensation."""
-        raise NotImplementedError
+        """What the compensator takes of an effect in hardware: constants by name of the field of Compensation."""
+        return {}
 
     def groups(self, labels):
         if not self.per_axis:
@@ -99,6 +99,12 @@ class Effect(Candidate):
 
 def needs_velocity(data: Measurement) -> str:
     return "" if data.has_velocity else "no velocity; log that of the motion, or of the approach to a hold"
+
+
+def needs_time(data: Measurement) -> str:
+    axis = data.axis_as_time
+    return "" if axis is None else (f"time cannot be told from q{axis + 1}, whose places were visited one after the "
+                                    "other; take the poses in random order")  # fmt: skip
 
 
 def needs_function(data: Measurement) -> str:

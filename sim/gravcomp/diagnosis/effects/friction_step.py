@@ -3,7 +3,7 @@
 import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, Variable, by_axis
-from gravcomp.diagnosis.effects.base import Effect, needs_velocity
+from gravcomp.diagnosis.effects.base import Effect, needs_time, needs_velocity
 
 _EDGE = 0.05  # of the log: a step nearer to its ends is a transient
 
@@ -18,7 +18,8 @@ class FrictionStep(Effect):
     complexity = 4.0
     is_scanned = True
 
-    unavailable = staticmethod(needs_velocity)
+    def unavailable(self, data):
+        return needs_velocity(data) or needs_time(data)
 
     def shapes(self, data):
         return []

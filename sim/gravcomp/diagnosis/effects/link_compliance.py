@@ -4,10 +4,13 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_function
+from gravcomp.diagnosis.thresholds import TINY
+
+_MOST_BENT = 0.1  # of the range of an axis
 
 
 class LinkCompliance(Effect):
-    """f_model(q + C f_model) - f_model(q), C diagonal."""
+    """f_model(q + C f_model) - f_model(q), C diagonal and not positive: what is pushed gives way."""
 
     name = "link_compliance"
     driver = "f"
@@ -22,6 +25,14 @@ class LinkCompliance(Effect):
     def columns(self, data, shape):
         bent = data.sensitivity * data.nominal[:, None, :]
         return {Parameter("c", j): bent[..., j] for j in range(data.n_axes)}
+
+    def limits_in(self, data):
+        """Bending by more than a part of the axis' range is none."""
+        most = _MOST_BENT * np.ptp(data.q, axis=0) / np.maximum(np.abs(data.nominal).max(axis=0), TINY)
+        return {Parameter("c", j): float(limit) for j, limit in enumerate(most)}
+
+    def contrasts(self, labels):
+        return [{label: -1.0} for label in labels]
 
     def predict(self, data, parameters):
         c = np.array([parameters.get(Parameter("c", j), 0.0) for j in range(data.n_axes)])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, Variable, axes_in, by_axis
-from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.diagnosis.effects.base import Effect, needs_time
 
 
 class ThermalDrift(Effect):
@@ -17,7 +17,9 @@ class ThermalDrift(Effect):
     scales = ("tau_s",)
 
     def unavailable(self, data):
-        return "" if np.any(data.nominal) else "the model is zero"
+        if not np.any(data.nominal):
+            return "the model is zero"
+        return "" if _has_temperature(data) else needs_time(data)
 
     def follows(self, data, parameters, force):
         variable = Variable("t" if "tau_s" in parameters else "temp")
@@ -25,7 +27,7 @@ class ThermalDrift(Effect):
 
     def shapes(self, data):
         span, over_time = np.ptp(data.t_s), []
-        if span > 0:
+        if span > 0 and not needs_time(data):
             over_time = [{Parameter("tau_s"): f * span} for f in (0.03, 0.07, 0.15, 0.3, 0.6, 1.2, 3.0)]
         return over_time + ([{}] if _has_temperature(data) else [])
 

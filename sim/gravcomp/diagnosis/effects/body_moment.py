@@ -1,0 +1,54 @@
+"""Masses that the model of a robot does not know, or has at the wrong places, on any of its bodies."""
+
+import numpy as np
+
+from gravcomp.diagnosis.candidate import Parameter
+from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.diagnosis.thresholds import TINY
+
+_INDEPENDENT = 1e-6  # of the largest regressor: less is left of one beside those of bodies nearer to the base
+
+
+class BodyMoment(Effect):
+    """Gravity of an extra first moment m r on bodies of the robot, each in the frame of its body."""
+
+    name = "body_moment"
+    driver = "q"
+    equation = "gravity of an extra first moment m r on a body, by name"
+    hardware = "network"
+    units = {"moment": "kg m"}  # noqa: RUF012
+    per_axis = False
+    complexity = 2.0
+    special_case = "payload"
+
+    def unavailable(self, data):
+        return "" if data.body_moments is not None else "the bodies of the robot are not known"
+
+    def columns(self, data, shape):
+        """No sums of others among them: of moments that show only together the body nearest to the base has the sum."""
+        every = _regressors(data)
+        flat = np.column_stack([column.ravel() for column in every.values()])
+        left = np.abs(np.diag(np.linalg.qr(flat, mode="r"))) / max(np.linalg.norm(flat, axis=0).max(), TINY)
+        return {label: column for (label, column), own in zip(every.items(), left, strict=True) if own > _INDEPENDENT}
+
+    def predict(self, data, parameters):
+        every = _regressors(data)
+        return sum((value * every[label] for label, value in parameters.items()), np.zeros(data.shape))
+
+    def groups(self, labels):
+        """Bodies stay or go whole."""
+        bodies = dict.fromkeys(_body(label) for label in labels)
+        return [{label for label in labels if _body(label) == body} for body in bodies]
+
+
+def _regressors(data) -> dict[Parameter, np.ndarray]:
+    """(n, k) by parameter, bodies from the base outward."""
+    return {
+        Parameter(f"moment_{body}_{axis}"): data.body_moments[..., b, a]
+        for b, body in enumerate(data.robot.body_names)
+        for a, axis in enumerate("xyz")
+    }
+
+
+def _body(label: str) -> str:
+    return label.removeprefix("moment_")[:-2]
