@@ -7,7 +7,7 @@ import pytest
 from gravcomp.errors import InputError
 from gravcomp_lab.inject.campaign import Flip
 from gravcomp_lab.inject.outcome import BRAKED, HARMLESS, LATENT, SILENT, Outcome, classify, parse, upper_bound
-from gravcomp_lab.inject.report import judge, silent_table, table
+from gravcomp_lab.inject.report import ALL, judge, merged, shares, silent_table, table
 from gravcomp_lab.inject.state import Store, find_state, make_public
 
 UA_PER_MN = 20.0
@@ -121,3 +121,25 @@ def test_tables_count_each_flip_once():
         "| **all** | 145 | 29 | 4 | 1 | 1 | 0 | 2 | 93.24 % |",
     ]
     assert silent_table(judged, UA_PER_MN).splitlines()[2:] == ["| gc_inner | `q` | 2 | 2 | 200 | 1 | 1 |"]
+
+
+def test_rows_of_some_entities_are_renewed():
+    """The others stay, sums and bound are those of all."""
+    header = [
+        "| entity | bits | flips | harmless | braked | latent | silently wrong | silently wrong, 95 % bound |",
+        "|-|",
+    ]
+    old = "\n".join([*header, "| gc_a | 8 | 100 | 90 | 0 | 0 | 10 | 18 % |",
+                     "| gc_b | 2 | 300 | 300 | 0 | 0 | 0 | 1 % |",
+                     f"| {ALL} | 10 | 400 | 390 | 0 | 0 | 10 | 5 % |"])  # fmt: skip
+    new = "\n".join(
+        [*header, "| gc_a | 9 | 100 | 60 | 40 | 0 | 0 | 4 % |", f"| {ALL} | 9 | 100 | 60 | 40 | 0 | 0 | 4 % |"]
+    )
+    bound = f"{100 * upper_bound(0, 400):.2f} %"
+    table = merged(old, new, ["gc_a"])
+    assert table.splitlines()[2:] == [
+        "| gc_a | 9 | 100 | 60 | 40 | 0 | 0 | 4 % |",
+        "| gc_b | 2 | 300 | 300 | 0 | 0 | 0 | 1 % |",
+        f"| {ALL} | 11 | 400 | 360 | 40 | 0 | 0 | {bound} |",
+    ]
+    assert shares(table)["gc_a"] == {HARMLESS: 60, BRAKED: 40, LATENT: 0, SILENT: 0}

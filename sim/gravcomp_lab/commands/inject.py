@@ -1,6 +1,7 @@
 """Flip single bits in every register and memory of gc_system while it holds a pose; docs/measured/injection.md."""
 
 from argparse import Namespace
+from collections.abc import Mapping
 from pathlib import Path
 
 from tqdm import tqdm
@@ -29,7 +30,7 @@ def add_arguments(parser):
 def run(arguments):
     if arguments.flips < 1 or arguments.jobs < 1:
         raise InputError(f"--flips {arguments.flips} --jobs {arguments.jobs}: need one or more of each")
-    panels = {}
+    tables = {}
     for variant in arguments.variant:
         parts = _inject(variant, arguments)
         if arguments.docs:
@@ -40,11 +41,21 @@ def run(arguments):
                 if not arguments.entity or part != "braked":
                     renew(page, f"{variant} {part}", parts[part])
         print("\n\n".join([f"# {variant}", *parts.values()]), flush=True)
-        panels |= {f"{variant}: every bit": parts["exhaustive"], f"{variant}: live state, drawn": parts["sampled"]}
-    figure = report.picture({title: report.shares(table) for title, table in panels.items()})
-    save_figure(figure, arguments.out / "injection.png")
+        tables[variant] = parts["exhaustive"], parts["sampled"]
+    save_figure(_picture(tables), arguments.out / "injection.png")
     if arguments.docs:
-        save_figure(figure, arguments.docs / "figures" / "injection.png")
+        page = arguments.docs / "injection.md"
+        tables = {name: (read(page, f"{name} exhaustive"), read(page, f"{name} sampled")) for name in campaign.VARIANTS}
+        save_figure(_picture(tables), arguments.docs / "figures" / "injection.png")
+
+
+def _picture(tables: Mapping[str, tuple[str, str]]):
+    """Of the tables of each variant: every bit, and drawn ones."""
+    titles = ("every bit", "live state, drawn")
+    panels = [
+        (f"{name}: {title}", table) for name, of in tables.items() for title, table in zip(titles, of, strict=True)
+    ]
+    return report.picture({title: report.shares(table) for title, table in panels})
 
 
 def _inject(variant: str, arguments: Namespace) -> dict[str, str]:
