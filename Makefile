@@ -68,7 +68,7 @@ regs: setup ## write registers (VHDL, C header; HTML into build/registers) and I
 
 system: setup ## gc_system: registers, interrupt, results on two clocks; path latency from encoder edge to command
 	@$(PYTEST) -q tb/test_rtl_system.py
-	@sed -n 's/^MEASURED //p' build/tb/test_rtl_system-path_latency-lanes_g4/run.log
+	@$(LAB) path --weights "$(WEIGHTS)"
 
 hil: setup ## the robot in the physics engine and gc_system in one simulation: PID with and without the core, faults; docs/measured/hil.md
 	@HIL=full $(PYTEST) -s tb/test_rtl_hil.py

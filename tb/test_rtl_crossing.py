@@ -8,7 +8,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
-from changes import value_change
+from gravcomp_lab.benches.changes import value_change
 from runner import simulate
 
 STAGES = 2

@@ -5,9 +5,9 @@ import pytest
 from cocotb.triggers import FallingEdge, Timer
 from cocotb.utils import get_sim_time
 
-from changes import value_change
+from gravcomp_lab.benches.changes import value_change
+from gravcomp_lab.benches.system import ALL_FAULTS, KICK, N_AXES, System
 from runner import BENCHES, simulate
-from test_rtl_system import ALL_FAULTS, KICK, N_AXES, System
 
 ALL = (1 << N_AXES) - 1
 BRAKE, CLOCK, UPSET = 1 << 12, 1 << 13, 1 << 15

@@ -16,11 +16,11 @@ from tqdm import tqdm
 from codes import pack, unpack
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS
 from gravcomp.prototype.body import TIME_STEP_S
+from gravcomp_lab.benches.system import ALL_FAULTS, N_AXES, System
 from gravcomp_lab.hil.plant import BrakedPrototype, Pid
 from gravcomp_lab.hil.runs import FULL, SHORT, STILL_RADPS, Fault, Log, Run, load, rms, save, stop_after
 from machines import MACHINE, P
 from runner import BENCHES, BUILD, simulate
-from test_rtl_system import ALL_FAULTS, N_AXES, System
 
 IS_FULL = os.environ.get("HIL") == "full"
 RUNS = FULL if IS_FULL else SHORT

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from cocotb.task import bridge, resume
 
-from axi import SimulatedBus
 from c_host import CHost, compile_host
 from codes import ROOT, fixed_network, pack, weights_under_test
 from gravcomp.cli import main
@@ -20,10 +19,11 @@ from gravcomp.driver.host import WRONG_CLOCK, Brakes, Event, Host, Identity, Res
 from gravcomp.driver.registers import read_registers
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
+from gravcomp_lab.benches.axi import SimulatedBus
+from gravcomp_lab.benches.system import System
 from loading import image_of, other_weights
 from machines import SHIPPED
 from runner import BENCHES, BUILD, simulate
-from test_rtl_system import System
 
 INDEX = np.array([2002, -3002, 4002])
 POSES = [(2042, -3001, 4002), (1990, -3042, 3961), (2002, -3002, 4002)]

@@ -11,11 +11,12 @@ from cocotb.task import bridge
 from cocotb.triggers import FallingEdge, ReadOnly
 from cocotb.utils import get_sim_time
 
-from axi import BusError, SimulatedBus
 from gravcomp.driver.host import Brakes, Host, Result
+from gravcomp_lab.benches.axi import BusError, SimulatedBus
+from gravcomp_lab.benches.system import ALL_FAULTS, KICK, System
 from loading import image_of, other_weights
 from runner import BENCHES, BUILD, simulate
-from test_rtl_system import ALL_FAULTS, KICK, System, assert_bit_true
+from test_rtl_system import assert_bit_true
 
 KEY = 0x4B455953
 BEGIN, COMMIT, ROM = 1, 2, 4  # bits of load_command

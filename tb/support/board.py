@@ -3,9 +3,9 @@
 import numpy as np
 from cocotb.clock import Clock
 
-from axi import Registers
 from gravcomp.twin.encoder import quadrature
-from test_rtl_system import ALL_FAULTS, KICK, System
+from gravcomp_lab.benches.axi import Registers
+from gravcomp_lab.benches.system import ALL_FAULTS, KICK, System
 
 AXES = 3
 INDEX = 2  # a count in the index phase
