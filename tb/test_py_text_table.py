@@ -38,6 +38,15 @@ def in_degrees(header, **options) -> str:
     return written(header, VALUES * [1e3, 180 / np.pi, 180 / np.pi, 1e3, 1.0], **options)
 
 
+def dated(separator=",", mark=".") -> str:
+    """The same with the time as dates, as loggers write it."""
+    lines = written(["timestamp", *CONTRACT[1:]], separator=separator, comma=mark == ",").splitlines()
+    stamps = [str(np.datetime64("2026-03-29T00:59:58.500") + np.timedelta64(round(1e3 * t), "ms")) for t in T]
+    rows = [[stamp.replace("T", " ").replace(".", mark), *line.split(separator)[1:]]
+            for stamp, line in zip(stamps, lines[1:], strict=True)]  # fmt: skip
+    return "\n".join([lines[0], *(separator.join(row) for row in rows)]) + "\n"
+
+
 SCOPE = "Scope project;AX1\nFile name;run 3\nSample time [ms];50\n\n"
 BRACKETS = ["time [ms]", "Position 1 [°]", "Velocity 1 [°/s]", "Torque 1 [mNm]", "fm1 (N·m)"]
 FILES = {
@@ -59,6 +68,8 @@ FILES = {
     "UTF-16": written().encode("utf-16"),
     "UTF-16 without a mark": written().encode("utf-16-be"),
     "Latin-1": in_degrees(BRACKETS, separator=";").encode("latin-1"),
+    "dates": dated(),
+    "dates with decimal commas": dated(";", ","),
     "old Macintosh": written().replace("\n", "\r"),
 }  # fmt: skip
 
@@ -126,6 +137,13 @@ def test_slow_temperature_costs_no_rows(tmp_path):
 def test_row_of_units_that_contradicts_the_header_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"column q1_rad: the row of units says deg; keep one of the two"):
         read(tmp_path, written(units=["s", "deg", "rad/s", "Nm", "Nm"]))
+
+
+def test_date_that_is_none_is_named(tmp_path):
+    lines = dated().splitlines()
+    lines[7] = "2026-13-40 00:00:00" + lines[7][lines[7].index(",") :]
+    with pytest.raises(InputError, match=r"row 8, column timestamp: '2026-13-40 00:00:00' is no date"):
+        read(tmp_path, "\n".join(lines))
 
 
 def test_column_whose_unit_is_missing_is_named(tmp_path):

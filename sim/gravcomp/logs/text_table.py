@@ -10,6 +10,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+import pandas as pd
+
 from gravcomp.errors import InputError
 from gravcomp.logs.headers import Column, column, is_unit_row
 
@@ -19,6 +21,7 @@ _BYTE_ORDER_MARKS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le",
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
 _COMMENT = re.compile(r"[\s\"]*#(?!N/A)")
 _MISSING = {"", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--", "1.#qnan", "-nan", "nan(ind)", "-nan(ind)"}
+_DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
 _WITH_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 _WITH_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
 _IMPORTED = {".mat": "mat", ".mcap": "mcap", ".db3": "rosbag", ".tdms": "tdms", ".mf4": "mdf", ".mdf": "mdf",
@@ -50,15 +53,16 @@ def read_text_table(path: Path) -> TextTable:
     body = [(row, _split(line, separator)) for row, line in lines[start + 1 :]]
     units = [""] * len(names)
     if body and len(body[0][1]) == len(names) and is_unit_row(names, body[0][1]):
-        units = body.pop(0)[1]
-        notes.append(f"row {header_row + 1} tells the units")
+        row, units = body.pop(0)
+        notes.append(f"row {row} tells the units")
     if not names[-1] and len(names) > 1:
         names, units = names[:-1], units[:-1]
     columns = [column(name, unit, f"{path}: row {header_row}") for name, unit in zip(names, units, strict=True)]
+    cells, rows = [_of_width(path, row, parts, columns) for row, parts in body], [row for row, _ in body]
+    cells, told = _with_decimal_points(path, cells, rows)
+    columns, cells, dated = _with_seconds(path, columns, cells, rows)
     _check_header(f"{path}: row {header_row}", columns, lines[start][1])
-    cells = [_of_width(path, row, parts, columns) for row, parts in body]
-    cells, told = _with_decimal_points(path, cells, [row for row, _ in body])
-    return TextTable(columns, cells, [row for row, _ in body], header_row, notes + told)
+    return TextTable(columns, cells, rows, header_row, notes + told + dated)
 
 
 def is_missing(cell: str) -> bool:
@@ -125,6 +129,23 @@ def _of_width(path: Path, row: int, parts: list[str], columns: list[Column]) -> 
         raise InputError(f"{path}: row {row}: {len(parts)} values for {n} columns, column "
                          f"{columns[min(len(parts), n - 1)].name}; give one value per column{comma}")  # fmt: skip
     return parts
+
+
+def _with_seconds(path: Path, columns: list[Column], cells: list[list[str]], rows: list[int]):
+    """Columns and cells with seconds since the first row where the time is written as dates, and a word on it."""
+    j = next((j for j, found in enumerate(columns) if found.kind == "t"), None)
+    if j is None or not cells or not _DATE.match(cells[0][j]):
+        return columns, cells, []
+    own = columns[j]
+    dates = pd.to_datetime([x[j].replace(",", ".") for x in cells], format="ISO8601", utc=True, errors="coerce")
+    if dates.isna().any():
+        k = int(dates.isna().argmax())
+        raise InputError(f"{path}: row {rows[k]}, column {own.original}: {cells[k][j]!r} is no date as in the first "
+                         "row; correct or delete that row")  # fmt: skip
+    seconds = (dates - dates[0]).total_seconds()
+    cells = [[*x[:j], repr(float(s)), *x[j + 1 :]] for x, s in zip(cells, seconds, strict=True)]
+    columns = [*columns[:j], Column(own.original, "t_s", "t"), *columns[j + 1 :]]
+    return columns, cells, [f"{own.original} holds dates: seconds since the first row are used"]
 
 
 def _with_decimal_points(path: Path, cells: list[list[str]], rows: list[int]) -> tuple[list[list[str]], list[str]]:
