@@ -181,6 +181,21 @@ def test_make_elaborates_the_whole_system_and_compiles_the_driver(copy):
     assert make(copy, "elaborate", "LANES=3").returncode != 0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["slide", "arm2"])
+def test_project_of_other_axes_holds_what_they_can_use(name, tmp_path):
+    """GHDL analyses every source, elaborates the largest top, and computes the forces of the twin."""
+    project = tmp_path / "project"
+    assert main(["new", str(project), "--robot", name]) == 0
+    assert make(project, "elaborate").stdout.strip().endswith("gc_force_path: elaborated")
+    done = make(project, "test")
+    assert "500 lines, every force equal" in done.stdout + done.stderr
+    listed = {project / "rtl" / name for name in (project / "rtl" / "sources.f").read_text().split()}
+    assert set((project / "rtl").rglob("*.vhd")) == listed
+    names = ("gravcomp.core", "rtl/component.xml", "constraints/gc_system.xdc")
+    assert not [name for name in names if (project / name).exists()]
+
+
 def test_make_sim_tells_the_forces_of_the_twin(copy):
     fixed = quantise(load_network(SHIPPED), MACHINE.drive)
     done = make(copy, "sim", "COUNT=12345")

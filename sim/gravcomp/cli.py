@@ -17,7 +17,7 @@ from gravcomp.errors import InputError
 
 # In the order of the work.
 COMMANDS = (
-    *("diagnose", "plan", "import", "new", "train", "import-network", "adopt", "formats", "rom", "vectors", "image"),
+    *("import", "diagnose", "plan", "new", "train", "import-network", "adopt", "formats", "rom", "vectors", "image"),
     *("loop", "loop-report", "measure"),
 )
 

@@ -1,4 +1,7 @@
-"""Print the errors of a loop on held-out samples: analytic model, network and RTL, before and after."""
+"""Print the errors of a loop on held-out samples: analytic model, network and RTL, before and after.
+
+Those of the RTL come from its simulation, which `make loop` runs in a clone.
+"""
 
 from pathlib import Path
 

@@ -124,7 +124,7 @@ def error_table(folder: Path) -> dict[str, dict[str, dict[str, float]]]:
             samples = dict(file)
         rtl_n = {run: np.load(answer_file(folder, run)) / 1000.0 for run in RUNS}
     except OSError as error:
-        raise InputError(f"{error.filename}: not found; run `make loop`, which makes it") from error
+        raise InputError(f"{error.filename}: not found; `make loop` in a clone makes it") from error
     forces = {
         "analytic model": {"before": samples["model_n"], "after": samples["found_n"]},
         "network": {run: _network_forces(folder, run, samples) for run in RUNS},

@@ -26,6 +26,14 @@ MACHINE = "weights/mine"
 _GENERATED = "rtl/generated"
 _TRAINED = (HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, COMPENSATION_CSV, PROVENANCE_JSON)
 _OWN = ("Makefile", "README.md")
+# gc_system and what describes it have AXES axes; this top and all before it in sources.f take those of the ROM.
+_SYSTEM, _ANY_AXES = "gc_system", "gc_force_path"
+_OF_SYSTEM = (
+    "gravcomp.core",
+    "rtl/component.xml",
+    "rtl/component.tcl",
+    *(f"constraints/gc_system.{x}" for x in ("xdc", "sdc")),
+)
 
 
 def machine_named(text: str) -> Path:
@@ -74,6 +82,8 @@ def _write_tools(draft: Path, n_axes: int) -> None:
     """All of a project but the machine and its ROM."""
     for name in SHIPPED:
         _copy(shipped(name), draft / name)
+    if n_axes != AXES:
+        _leave_out_system(draft)
     for name in _OWN:
         (draft / name).write_text(_own(name, n_axes), encoding="utf-8")
 
@@ -86,8 +96,17 @@ def _copy(source: Path, target: Path) -> None:
         shutil.copyfile(source, target)
 
 
+def _leave_out_system(draft: Path) -> None:
+    sources = draft / "rtl" / "sources.f"
+    names = sources.read_text().split()
+    n_kept = names.index(f"system/{_ANY_AXES}.vhd") + 1
+    sources.write_text("".join(f"{name}\n" for name in names[:n_kept]))
+    for name in (*_OF_SYSTEM, *(f"rtl/{name}" for name in names[n_kept:])):
+        (draft / name).unlink()
+
+
 def _own(name: str, n_axes: int) -> str:
     """A file that is no copy; the Makefile knows where gravcomp is when no PATH leads to it, and the largest top."""
     text = files(__package__).joinpath(name).read_text(encoding="utf-8")
-    top = "gc_system" if n_axes == AXES else "gc_force_path"
+    top = _SYSTEM if n_axes == AXES else _ANY_AXES
     return text.replace("@PYTHON@", shlex.quote(sys.executable).replace("$", "$$")).replace("@TOP@", top)
