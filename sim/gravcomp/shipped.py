@@ -16,3 +16,8 @@ IS_CHECKOUT = not _INSTALLED.is_dir()
 def shipped(name: str) -> Path:
     """A file or folder by its path in the repository: in a checkout that itself, in an installation its copy."""
     return (_CHECKOUT if IS_CHECKOUT else _INSTALLED) / name
+
+
+def built_in() -> list[str]:
+    """The names of the machines that come with the package: folders of weights/."""
+    return sorted(path.name for path in shipped("weights").iterdir() if path.is_dir())

@@ -1,19 +1,19 @@
 """Write a project folder: a machine, the RTL with its ROM, the C driver, a Makefile, scripts for the vendors' tools.
 
-FOLDER must be absent or empty. --robot takes a machine folder, or the name of a machine that is built in: spheiro,
-slide, arm2, fivebar and so101 have a network, ur5 is to be trained. --from takes a URDF or MJCF: axes,
-ranges and units are read from it, and robot.toml asks by name for what it does not tell.
+FOLDER must be absent or empty. --robot takes a machine folder, or the name of a machine that is built in. --from takes
+a URDF or MJCF: axes, ranges and units are read from it, and robot.toml asks by name for what it does not tell.
 """
 
 from pathlib import Path
 
 from gravcomp.errors import InputError
+from gravcomp.shipped import built_in
 
 
 def add_arguments(parser):
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="project folder to write")
     source = parser.add_mutually_exclusive_group(required=True)
-    source.add_argument("--robot", metavar="MACHINE", help="machine folder, or a name")
+    source.add_argument("--robot", metavar="MACHINE", help=f"machine folder, or a name: {', '.join(built_in())}")
     source.add_argument("--from", dest="file", type=Path, metavar="ROBOT", help="URDF or MJCF")
     parser.add_argument(
         "--axes", default="", metavar="JOINTS", help="with --from: joints with a motor, by comma, in the core's order"

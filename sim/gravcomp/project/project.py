@@ -19,7 +19,7 @@ from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV
 from gravcomp.robot.machine import ROBOT_TOML, load_machine
 from gravcomp.robot.mechanism.draft import draft_toml
 from gravcomp.robot.mechanism.source import sources
-from gravcomp.shipped import SHIPPED, shipped
+from gravcomp.shipped import SHIPPED, built_in, shipped
 from gravcomp.twin.precision import Precision
 
 MACHINE = "weights/mine"
@@ -38,12 +38,11 @@ _OF_SYSTEM = (
 
 def machine_named(text: str) -> Path:
     """A machine folder, or by its name one that comes with gravcomp. Raises InputError."""
-    named = shipped("weights") / text
     if Path(text).is_dir():
         return Path(text)
-    if text and Path(text).name == text and named.is_dir():
-        return named
-    names = ", ".join(sorted(path.name for path in shipped("weights").iterdir() if path.is_dir()))
+    if text in built_in():
+        return shipped("weights") / text
+    names = ", ".join(built_in())
     raise InputError(f"--robot {text}: no such folder; give a machine folder, or a machine that is built in: {names}")
 
 
