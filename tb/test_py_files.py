@@ -1,9 +1,12 @@
 """Files are written whole or not at all."""
 
+import errno
+import io
 from pathlib import Path
 
 import pytest
 
+from gravcomp import files
 from gravcomp.cli import main
 from gravcomp.errors import InputError
 from gravcomp.files import write_all_atomically, write_atomically
@@ -25,6 +28,24 @@ def test_of_several_files_all_are_replaced_or_none(tmp_path):
         write_all_atomically({first: "new", second: "new"})
     assert first.read_text() == "old"
     assert sorted(tmp_path.iterdir()) == [first, second]
+
+
+@pytest.mark.parametrize("when", ["write", "close"])
+def test_full_disk_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, when):
+    """Buffered bytes meet the full disk when the file is closed."""
+
+    def full(file, *_):
+        if when == "close":
+            io.FileIO.close(file)
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    path = tmp_path / "report.json"
+    path.write_text("old")
+    monkeypatch.setattr(files, "open", type("Full", (io.FileIO,), {when: full}), raising=False)
+    with pytest.raises(InputError, match=r"report\.json: cannot be written \(No space left"):
+        write_all_atomically({path: "new", tmp_path / "model.toml": "new"})
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_file_in_place_of_a_folder_is_refused(tmp_path):

@@ -74,12 +74,13 @@ def _write_temporary(path: Path, content: str | bytes) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.is_dir():
         raise IsADirectoryError(None, "it is a folder")
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
-        temporary = Path(file.name)
-        try:
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    temporary = Path(name)
+    try:
+        with open(descriptor, "wb") as file:  # a full disk shows when the file is closed
             file.write(data)
-        except BaseException:  # an interrupt, too, leaves nothing behind
-            temporary.unlink()
-            raise
-    temporary.chmod(0o644)
+        temporary.chmod(0o644)
+    except BaseException:  # an interrupt, too, leaves nothing behind
+        temporary.unlink()
+        raise
     return temporary

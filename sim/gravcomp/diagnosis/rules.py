@@ -57,7 +57,7 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:
     """The choice without names that could imitate a part of what no name accounts for.
 
     noise (k,): what no model made. Where effects leave more than REMAINDER times that, each has to account for
-    NAMED_BESIDE times what they leave of it, beside all other terms; the weakest goes first.
+    NAMED_BESIDE times what they leave of it, beside the other effects; the weakest goes first.
     """
     gram, members = criterion.gram, choice.members
     floor = float(gram.independent @ np.square(noise))
@@ -65,7 +65,7 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:
         unnamed = criterion.left(effects) - floor
         if unnamed < (REMAINDER**2 - 1.0) * floor:
             break
-        lost = {k: criterion.left(members - {k}) - criterion.left(members) for k in effects}
+        lost = {k: criterion.left(effects - {k}) - criterion.left(effects) for k in effects}
         weakest = min(lost, key=lost.get)
         if lost[weakest] >= NAMED_BESIDE * unnamed:
             break

@@ -17,7 +17,8 @@ def confirmed(
 ) -> tuple[list[Term], list[Term]]:  # fmt: skip
     """The effects and corrections without which blocks that were not fitted are predicted worse.
 
-    residual (n, k); rows: of the training; left_out (rows, k). The weakest goes first, while that predicts better.
+    residual (n, k); rows: of the training; left_out (rows, k). The weakest goes first, while that predicts better;
+    effects among themselves, as corrections may imitate any of them, then corrections beside the effects that stay.
     """
     terms = [*effects, *corrections]
     if not terms or len(np.unique(blocks[rows])) < _FOLDS:
@@ -43,14 +44,21 @@ def confirmed(
             total += theta @ gram[np.ix_(index, index)] @ theta - 2.0 * theta @ cross[index]
         return float(total)
 
-    kept = list(range(len(terms)))
+    named = _upheld(error, range(len(effects)), ())
+    plain = _upheld(error, range(len(effects), len(terms)), named)
+    return [terms[k] for k in named], [terms[k] for k in plain]
+
+
+def _upheld(error, candidates, beside) -> list[int]:
+    """The candidates without which the error grows, beside those that stay anyway."""
+    kept = list(candidates)
     while kept:
-        without = {k: error([j for j in kept if j != k]) for k in kept}
+        without = {k: error([*beside, *(j for j in kept if j != k)]) for k in kept}
         worst = min(without, key=without.get)
-        if without[worst] > error(kept):
+        if without[worst] > error([*beside, *kept]):
             break
         kept.remove(worst)
-    return [terms[k] for k in kept if k < len(effects)], [terms[k] for k in kept if k >= len(effects)]
+    return kept
 
 
 def _columns(data: Measurement, rows: np.ndarray, term: Term) -> np.ndarray:

@@ -20,7 +20,8 @@ from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT
 from gravcomp_lab.shipped import shipped_machine
 
 DRAWN = [name for name in LISTED if name != "inertia"]  # slow motion hides it
-OF_SPEED = ("viscous_friction", "stribeck_friction")  # holds don't show it
+# Holds don't show it: no speed, or friction that has slid fully, which is Coulomb friction.
+NOT_IN_HOLDS = ("viscous_friction", "stribeck_friction", "presliding_hysteresis")
 POINTS = {"static": 300, "motion": 800, "both": 700}
 _TRIES = 20
 
@@ -71,7 +72,7 @@ def open_seal(path: Path) -> Answer:
 
 def _draw(kind: str, mode: str, rng: np.random.Generator) -> list[Effect]:
     count = {"listed": 1, "pair": 2, "clean": 0, "unlisted": 1}[kind]
-    pool = [name for name in DRAWN if mode != "static" or name not in OF_SPEED]
+    pool = [name for name in DRAWN if mode != "static" or name not in NOT_IN_HOLDS]
     while True:
         names = rng.choice(UNLISTED if kind == "unlisted" else pool, count, replace=False)
         if not any(len(same.intersection(names)) > 1 for same in ONE_EFFECT):

@@ -3,11 +3,11 @@
 Seeds follow a first one, by default that of the commit that is measured, until so many sets had a plan.
 """
 
-import subprocess
 import warnings
 from pathlib import Path
 
 from gravcomp.files import write_atomically
+from gravcomp_lab.blind import seed_of_commit
 
 
 def add_arguments(parser):
@@ -36,8 +36,3 @@ def run(arguments):
     print(page)
     if arguments.docs:
         write_atomically(arguments.docs / "plan.md", page)
-
-
-def seed_of_commit() -> int:
-    found = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=True)
-    return int(found.stdout[:7], 16)
