@@ -6,7 +6,7 @@ from tqdm import tqdm
 from gravcomp.network.weights import Network
 from gravcomp.robot.machine import Drive
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
-from gravcomp.training.scaling import LEAST_SHARE, Scaling
+from gravcomp.training.scaling import Scaling, effort_scale
 from gravcomp.training.training import RIDGE, TrainingSet, one_blas_thread, snapped
 
 _ROUNDS, _ROUND = 10, Stop(steps=50)
@@ -20,9 +20,9 @@ def retrained(network: Network, data: TrainingSet, drive: Drive, rounds: int = _
     when the hardware cannot hold the weights.
     """
     low, high = data.f.min(axis=0), data.f.max(axis=0)
-    half = _MARGIN * (high - low) / 2
-    half = np.maximum(half, LEAST_SHARE * half.max()) if half.max() > 0 else network.f_scale
-    scaling = Scaling(network.q_offset, network.q_scale, (high + low) / 2, half, network.position_units, network.inputs)
+    f_scale = effort_scale(_MARGIN * (high - low) / 2, network.position_units)
+    middle = (high + low) / 2
+    scaling = Scaling(network.q_offset, network.q_scale, middle, f_scale, network.position_units, network.inputs)
     problem = Problem(scaling.x(data.q), scaling.y(data.f), network.n_hidden, ACTIVATIONS["gamma"], ridge=RIDGE)
     hidden = np.c_[network.hidden_weights, network.hidden_bias]
     with one_blas_thread():

@@ -11,7 +11,7 @@ from gravcomp.errors import InputError
 from gravcomp.network.inputs import POSITION, SIN_COS, inputs_of
 from gravcomp.robot.machine import Machine
 
-LEAST_SHARE = 1.0 / 64.0  # of the largest scale of efforts: all have one format in hardware
+_LEAST_SHARE = 1.0 / 64.0  # of the largest scale of efforts: all have one format in hardware
 
 
 @dataclass(frozen=True)
@@ -56,17 +56,17 @@ def workspace_scaling(machine: Machine) -> Scaling:
         q_offset=np.where(turns, 0.0, (high + low) / 2.0),
         q_scale=np.where(turns, 1.0, 2.0 / (high - low)),
         f_offset=(bounds.f_high + bounds.f_low) / 2.0,
-        f_scale=_effort_scale(half, machine.position_units),
+        f_scale=effort_scale(half, machine.position_units),
         position_units=machine.position_units,
         inputs=machine.inputs,
     )
 
 
-def _effort_scale(half: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
+def effort_scale(half: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
     """One scale per unit: an N or N m counts the same on every axis, so that the RMS error over all of them is least.
 
     Where nothing in a unit bears a load it is 1, or what the common format of all scales can hold.
     """
     largest = {unit: max(h for h, own in zip(half, units, strict=True) if own == unit) for unit in units}
-    least = LEAST_SHARE * max(largest.values())
+    least = _LEAST_SHARE * max(largest.values())
     return np.array([max(largest[unit], least) or 1.0 for unit in units])
