@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from arm import arm_toml
 from gravcomp.cli import main
 from gravcomp.core.folder import folder_hash, load_folder
 from gravcomp.core.formats import quantise
@@ -199,3 +200,18 @@ def test_older_scaling_header_is_read_as_metres_and_newtons(folder):
     again = load_network(folder)
     for name, value in vars(network).items():
         np.testing.assert_array_equal(getattr(again, name), value)
+
+
+@pytest.mark.parametrize("command", ["adopt", "rom", "train"])
+def test_weights_of_another_number_of_axes_are_refused_by_their_file(folder, command, capsys):
+    text = load_machine(folder).text
+    (folder / ROBOT_TOML).write_text(arm_toml(2))
+    out = str(folder / "out")
+    how = {"adopt": [str(folder)], "rom": ["--weights", str(folder), "--out", out]}
+    assert main([command, *how.get(command, ["--from", str(folder), "--out", out])]) == 2
+    complaint = capsys.readouterr().err
+    assert complaint.count("\n") == 1
+    assert "scaling.csv: " in complaint
+    assert not (folder / "out").exists()
+    (folder / ROBOT_TOML).write_text(text)
+    load_folder(folder)

@@ -17,6 +17,7 @@ def add_arguments(parser):
 
 
 def run(arguments):
+    from gravcomp.core.folder import check_network
     from gravcomp.core.provenance import write_provenance
     from gravcomp.network.weights import SCALING_CSV, load_network
     from gravcomp.robot.machine import load_machine
@@ -26,6 +27,7 @@ def run(arguments):
     machine, network = load_machine(folder), load_network(folder)
     if network.position_units != machine.position_units:
         raise InputError(f"{folder / SCALING_CSV}: axes and units are not those of robot.toml; correct one of them")
+    check_network(folder, machine, network)
     poses = workspace_set(N_TEST_POSES, machine.robot, _SEED)
     metrics = evaluate(network, poses, poses, machine.activation)
     share = metrics["test_rms"] / float((poses.f**2).mean() ** 0.5)

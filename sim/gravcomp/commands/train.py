@@ -34,7 +34,7 @@ def add_arguments(parser):
 
 def run(arguments):
     from gravcomp.core.compensation import load_compensation
-    from gravcomp.core.folder import MachineFolder, save_folder
+    from gravcomp.core.folder import MachineFolder, check_network, save_folder
     from gravcomp.core.provenance import write_provenance
     from gravcomp.network.inputs import axis_of_input
     from gravcomp.network.weights import load_network
@@ -53,7 +53,9 @@ def run(arguments):
     began = time.monotonic()
     if arguments.start:
         machine = machine.with_activation(HARDWARE_ACTIVATION)
-        network, fit = retrained(load_network(folder), data, machine.drive, _ROUNDS)
+        start = load_network(folder)
+        check_network(folder, machine, start)
+        network, fit = retrained(start, data, machine.drive, _ROUNDS)
         how = f"--from {folder}"
     else:
         n_inputs = len(axis_of_input(machine.inputs))

@@ -37,8 +37,8 @@ def load_folder(folder: Path | str) -> MachineFolder:
     """
     folder = Path(folder)
     machine, network = load_machine(folder), load_network(folder)
-    _check_axes(folder, machine, network)
-    _check_inputs(folder, machine, network)
+    check_network(folder, machine, network)
+    _check_core_inputs(folder, machine)
     if machine.activation != HARDWARE_ACTIVATION:
         raise InputError(
             f"{folder / ROBOT_TOML}: [network] activation = {machine.activation!r}, but the hardware runs "
@@ -69,7 +69,8 @@ def folder_hash(folder: Path | str, machine: Machine) -> str:
     return digest.hexdigest()
 
 
-def _check_axes(folder: Path, machine: Machine, network: Network) -> None:
+def check_network(folder: Path, machine: Machine, network: Network) -> None:
+    """Raise InputError unless the network of a folder has the axes, units and inputs of its machine."""
     if network.n_axes != machine.n_axes:
         raise InputError(
             f"{folder / SCALING_CSV}: {network.n_axes} axes, but {ROBOT_TOML} has {machine.n_axes}; correct one"
@@ -77,12 +78,13 @@ def _check_axes(folder: Path, machine: Machine, network: Network) -> None:
     for axis, (own, given) in enumerate(zip(machine.position_units, network.position_units, strict=True), start=1):
         if own != given:
             raise InputError(f"{folder / SCALING_CSV}: row {axis}: position_unit {given}, but {ROBOT_TOML} says {own}")
-
-
-def _check_inputs(folder: Path, machine: Machine, network: Network) -> None:
     for axis, (own, given) in enumerate(zip(machine.inputs, network.inputs, strict=True), start=1):
         if own != given:
             raise InputError(f"{folder / HIDDEN_CSV}: axis {axis} has columns of {given}, but {ROBOT_TOML} says {own}")
+
+
+def _check_core_inputs(folder: Path, machine: Machine) -> None:
+    for axis, own in enumerate(machine.inputs, start=1):
         if own == SIN_COS:
             raise InputError(
                 f"{folder / ROBOT_TOML}: axis {axis}: input = {own!r}: the core in VHDL takes positions alone as yet; "
