@@ -13,6 +13,7 @@ import browser
 from gravcomp.cli import main
 from gravcomp.diagnosis.contributions import contributions, counted
 from gravcomp.diagnosis.diagnosis import diagnose
+from gravcomp.diagnosis.figures import driver_figure
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.report import report, text, unit_of
 from gravcomp.logs.csv_reader import read_measurement
@@ -213,6 +214,19 @@ def test_worst_places_are_where_the_bump_is(tmp_path):
     assert on_it.any()
     assert abs(worst[0]["q"][0] - 0.5) < 0.02
     assert all(abs(a["q"][0] - b["q"][0]) > 0.05 * np.ptp(q) for a in worst for b in worst if a is not b)
+
+
+def test_every_effect_has_a_figure_over_its_driver(tmp_path):
+    """Six axes of the first effect do not crowd the second out."""
+    columns = {"t_s": T}
+    for k in range(6):
+        q, v = slow(k)
+        own = 8.0 * np.cos(q)
+        columns |= {f"q{k + 1}_rad": q, f"v{k + 1}_radps": v, f"fm{k + 1}_nm": own}
+        columns[f"f{k + 1}_nm"] = own + 0.5 * np.sign(v) + 0.3 * v + noise(0.02, k)
+    labels = re.findall(r">((?:direction|velocity) [a-z]+\d)", driver_figure(found(log(**columns), tmp_path)))
+    assert len(labels) == 6
+    assert {label.split()[0] for label in labels} == {"direction", "velocity"}
 
 
 LAYOUT = """(() => {

@@ -1,6 +1,7 @@
 """Figures of report.html, as SVG whose letters are text: residuals before and after, over what was measured."""
 
 import io
+from collections import Counter
 from collections.abc import Iterable
 
 import numpy as np
@@ -19,8 +20,14 @@ _RC = {"svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9, "axe
 
 
 def driver_figure(d: Diagnosis) -> str:
-    """The residual over each driver, before and after; empty without drivers."""
-    wanted = dict.fromkeys((item["axis"] - 1, item["variable"]) for item in d.drivers)
+    """The residual over the drivers, before and after, each effect's strongest first; empty without drivers."""
+    ranks = Counter()
+    ranked = []
+    for item in sorted(d.drivers, key=lambda item: -item["share"]):
+        ranked.append((ranks[item["of"]], item))
+        ranks[item["of"]] += 1
+    ranked.sort(key=lambda pair: pair[0])
+    wanted = dict.fromkeys((item["axis"] - 1, item["variable"]) for _, item in ranked)
     own = [(axis, Variable.parse(name)) for axis, name in list(wanted)[:_MOST_DRIVERS]]
     own = [(axis, variable) for axis, variable in own if variable.is_in(d.data)]
     return _figure(d, own, "drivers") if own else ""
