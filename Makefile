@@ -44,6 +44,7 @@ coverage: ## the statements of the VHDL that the tests run; docs/measured/covera
 	@$(LAB) coverage --docs docs/measured
 
 test: setup ## all tests but the long ones of the netlists, for which see gatesim
+	@scripts/setup.sh chromium || echo "test: no Chromium can be installed here; report.html is not looked at" >&2
 	@$(PYTEST) -q -n auto
 
 test-fast: setup ## the tests that take less than ten seconds each
