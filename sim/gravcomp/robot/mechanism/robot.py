@@ -17,7 +17,7 @@ from gravcomp.errors import InputError
 from gravcomp.robot.fields import finite, text
 from gravcomp.robot.mechanism.closure import Closed, Closure, driven_loops
 from gravcomp.robot.mechanism.source import compile_model, sources
-from gravcomp.robot.mechanism.tree import FREE, HINGE, SLIDE, Tree
+from gravcomp.robot.mechanism.tree import FREE, HINGE, SLIDE, Placement, Tree
 from gravcomp.robot.protocol import Bounds, PoseError
 from gravcomp.robot.ranges import (
     Box,
@@ -111,17 +111,18 @@ class Mechanism:
         """Efforts (..., n, b, 3) per kg m of first moment along the axes of each moved body's frame."""
         q = self._checked(q)
         closed = self._closed(q.reshape(-1, self.n_axes))
-        columns = [self._moment_columns(closed, body) for body in self._moved_bodies]
+        placement = self.tree.place(closed.qpos)
+        columns = [self._moment_columns(closed, placement, body) for body in self._moved_bodies]
         return np.stack(columns, axis=-2).reshape(*q.shape, len(columns), 3)
 
     def payload_regressors(self, q: np.ndarray) -> np.ndarray:
         """Efforts (..., n, 3) per kg m of first moment along the axes of the payload body's frame."""
         q = self._checked(q)
-        return self._moment_columns(self._closed(q.reshape(-1, self.n_axes)), self.last_body).reshape(*q.shape, 3)
+        closed = self._closed(q.reshape(-1, self.n_axes))
+        return self._moment_columns(closed, self.tree.place(closed.qpos), self.last_body).reshape(*q.shape, 3)
 
-    def _moment_columns(self, closed: Closed, body: int) -> np.ndarray:
+    def _moment_columns(self, closed: Closed, placement: Placement, body: int) -> np.ndarray:
         """V = -g . R s of a first moment s; along a turn about a, dV = -g . (a x R s)."""
-        placement = self.tree.place(closed.qpos)
         turning = self.tree.turning_jacobian(placement, body)
         columns = np.cross(self.gravity_mps2, turning, axisb=1, axisc=2) @ -placement.rotation[body]
         return self._along_axes(columns, closed)
