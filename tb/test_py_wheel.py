@@ -133,7 +133,7 @@ def test_installed_driver_knows_the_registers(installed):
 
 def test_installed_train_rom_formats_image(installed, project):
     """A small network, of which every other command then makes its part."""
-    arguments = ("--hidden", "1", "--starts", "1", "--poses", "20", "--out", "weights/small")
+    arguments = ("--hidden", "1", "--starts", "1", "--poses", "20", "--search", "0.05", "--out", "weights/small")
     installed.run("gravcomp", "train", "--robot", "project/weights/mine", *arguments)
     assert f'"commit": "{__version__}"' in (installed.work / "weights/small/provenance.json").read_text()
     installed.run("gravcomp", "rom", "--weights", "weights/small", "--out", "generated")
