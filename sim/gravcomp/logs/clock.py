@@ -4,6 +4,7 @@ import numpy as np
 
 # Seconds since 1970 in one of these steps are this large; no log of its own clock is.
 _EPOCHS = ((1e17, "ns", 1e-9), (1e14, "us", 1e-6), (1e11, "ms", 1e-3), (1e9, "s", 1.0))
+MOST_REPEATED = 0.1  # of the rows: a clock that repeats more is coarser than the log, and rows lie between its stamps
 _MOST_RUNS = 0.1  # of the rows: with more drops of the clock the rows are out of order
 
 
@@ -36,6 +37,19 @@ def joined(t_s: np.ndarray, run: np.ndarray) -> np.ndarray:
     for k in range(1, int(run.max()) + 1 if len(run) else 0):
         first = int(np.argmax(run == k))
         out[run == k] += out[first - 1] + step - t_s[first]
+    return out
+
+
+def spread(t_s: np.ndarray, run: np.ndarray) -> np.ndarray:
+    """Stamps of a clock that is coarser than the log: rows lie evenly between a stamp and the next of their run."""
+    out = t_s.astype(float)
+    for k in np.unique(run):
+        rows = np.flatnonzero(run == k)
+        stamps, first, count = np.unique(t_s[rows], return_index=True, return_counts=True)
+        if len(stamps) < 2:
+            continue
+        end = stamps[-1] + (stamps[-1] - stamps[0]) / first[-1] * count[-1]
+        out[rows] = np.interp(np.arange(len(rows)), [*first, len(rows)], [*stamps, end])
     return out
 
 

@@ -17,6 +17,7 @@ import pandas as pd
 from gravcomp.errors import InputError
 from gravcomp.logs import clock
 from gravcomp.logs.force_surface import fit_force_function
+from gravcomp.logs.glitches import without_glitches
 from gravcomp.logs.measurement import Measurement, velocity_from_position
 from gravcomp.logs.missing import marks
 from gravcomp.logs.text_table import TextTable, is_missing, read_text_table
@@ -49,7 +50,8 @@ def read_measurement(
     columns = _columns(log)
     t_s, run, told = _time(log)
     notes += told
-    q = _stack(log, columns["q"])
+    q, told = without_glitches(_stack(log, columns["q"]), run)
+    notes += told
     force, nominal, by_axis = _effort(log, columns, machine)
     unit = ", ".join(dict.fromkeys(by_axis))
     v = _stack(log, columns["v"]) if columns["v"] else None
@@ -249,7 +251,10 @@ def _time(log: _Log) -> tuple[np.ndarray, np.ndarray, list[str]]:
         first = log.rows[int(np.argmax(run == 1))]
         notes.append(f"the clock restarts in row {first}: {run.max() + 1} runs, kept apart as segments")
     n_same = int(np.count_nonzero((np.diff(t_s) == 0) & (np.diff(run) == 0)))
-    if n_same:
+    if n_same > clock.MOST_REPEATED * len(t_s):
+        notes.append(f"t_s: {n_same} of {len(t_s)} rows have the stamp of the row before: spread evenly between stamps")
+        t_s = clock.spread(t_s, run)
+    elif n_same:
         notes.append(f"t_s: {n_same} rows have the stamp of the row before")
     return clock.joined(t_s, run), run, notes
 
