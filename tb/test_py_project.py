@@ -193,6 +193,16 @@ def test_project_of_other_axes_holds_what_they_can_use(name, tmp_path):
     assert not [name for name in names if (project / name).exists()]
 
 
+def test_project_without_a_network_says_how_to_train_it(tmp_path, capsys):
+    """In a folder with a space, too; the advice is a command of the user's shell."""
+    project = tmp_path / "my project"
+    assert main(["new", str(project), "--robot", "ur5"]) == 0
+    assert f"cd '{project}'" in capsys.readouterr().out
+    done = make(project, "test")
+    assert done.returncode != 0
+    assert "`gravcomp train --robot weights/mine --out weights/mine`" in done.stderr.splitlines()[0]
+
+
 def test_make_sim_tells_the_forces_of_the_twin(copy):
     fixed = quantise(load_network(SHIPPED), MACHINE.drive)
     done = make(copy, "sim", "COUNT=12345")

@@ -4,6 +4,7 @@ FOLDER must be absent or empty. --robot takes a machine folder, or the name of a
 a URDF or MJCF: axes, ranges and units are read from it, and robot.toml asks by name for what it does not tell.
 """
 
+import shlex
 from pathlib import Path
 
 from gravcomp.errors import InputError
@@ -23,10 +24,11 @@ def add_arguments(parser):
 def run(arguments):
     from gravcomp.project.project import MACHINE, machine_named, write_drafted_project, write_project
 
+    place = shlex.quote(str(arguments.folder))
     if arguments.file:
         asked = write_drafted_project(arguments.folder, arguments.file, [n for n in arguments.axes.split(",") if n])
         print(f"{arguments.folder}: written; {MACHINE} in it is {arguments.file}")
-        print(f"  next: cd {arguments.folder}, give {', '.join(asked)} in {MACHINE}/robot.toml, make train test")
+        print(f"  next: cd {place}, give {', '.join(asked)} in {MACHINE}/robot.toml, make train test")
         return
     if arguments.axes:
         raise InputError("--axes goes with --from; a machine folder has its axes in robot.toml")
@@ -34,6 +36,6 @@ def run(arguments):
     cost = write_project(arguments.folder, machine)
     print(f"{arguments.folder}: written; {MACHINE} in it is {machine}")
     if cost:
-        print(f"  with its ROM: {cost}; next: cd {arguments.folder} && make test")
+        print(f"  with its ROM: {cost}; next: cd {place} && make test")
     else:
-        print(f"  it has no network yet; next: cd {arguments.folder}, correct {MACHINE}/robot.toml, make train test")
+        print(f"  it has no network yet; next: cd {place}, correct {MACHINE}/robot.toml, make train test")

@@ -6,6 +6,7 @@ x = (q - q_offset) q_scale, or sin and cos of q - q_offset;  h = Gamma(W x + b_H
 
 import csv
 import math
+import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -153,8 +154,10 @@ def _read_lines(path: Path, header: list[str]) -> list[list[str]]:
         with path.open(newline="", encoding="utf-8-sig") as file:
             lines = [line for line in csv.reader(file, strict=True) if line]
     except FileNotFoundError:
+        folder = shlex.quote(str(path.parent))
         raise InputError(
-            f"{path}: not found; a weights folder holds {HIDDEN_CSV}, {OUTPUT_CSV}, {SCALING_CSV}"
+            f"{path}: not found; `gravcomp train --robot {folder} --out {folder}` writes {HIDDEN_CSV}, {OUTPUT_CSV} "
+            f"and {SCALING_CSV}"
         ) from None
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: not a CSV file ({error}); give comma separated text") from error
