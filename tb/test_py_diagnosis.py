@@ -67,8 +67,8 @@ def test_diagnosis_names_nothing_in_noise(tmp_path):
 
 
 def test_diagnosis_gives_an_unlisted_effect_its_driver_and_no_name(tmp_path):
-    def stop(q, v):
-        return -np.stack([60.0 * np.maximum(q[:, 0] - 0.03, 0.0), 0 * q[:, 1], 0 * q[:, 2]], axis=1)
+    def stop(q, v):  # a soft one differs from a cable that stiffens by less than the noise
+        return -np.stack([1000.0 * np.maximum(q[:, 0] - 0.03, 0.0), 0 * q[:, 1], 0 * q[:, 2]], axis=1)
 
     _, found = run(tmp_path, holds(stop))
     assert found["effects"] == []
