@@ -8,7 +8,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind next-motion joint-stages table2 lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -114,6 +114,9 @@ joint-stages: setup ## what stages for play and passive joints' friction would g
 
 table2: setup ## the paper's Table 2 on the virtual prototype; docs/measured/table2.md
 	@$(LAB) table2
+
+table2-real: setup ## the paper's Table 2 on a real arm: GRAVCOMP_DATA=folder with dvrk_mtm/holds.csv; docs/measured/table2_real.md
+	@$(LAB) table2-real
 
 synth: setup ## area and clock of the core with 1, 4 and 20 lanes, placed and routed on ECP5; docs/measured/synthesis.md
 	@$(LAB) synth --docs docs/measured
