@@ -8,7 +8,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -120,6 +120,9 @@ table2-real: setup ## the paper's Table 2 on a real arm: GRAVCOMP_DATA=folder wi
 
 synth: setup ## area and clock of the core with 1, 4 and 20 lanes, placed and routed on ECP5; docs/measured/synthesis.md
 	@$(LAB) synth --docs docs/measured
+
+guards: setup ## cells of the safety chain with its guards off and on; docs/guide/safety.md
+	@$(LAB) guards --docs docs/guide
 
 synth-all: setup ## the same with 1, 2, 4, 5, 10 and 20 lanes
 	@$(LAB) synth --lanes 1 2 4 5 10 20 --docs docs/measured

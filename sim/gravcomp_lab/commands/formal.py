@@ -34,7 +34,7 @@ trained range reaches the multiplier whole, and that x is the truncated product 
 `axi` leaves the master free, and the core behind the registers too. From the first reset on: a response only to
 a request that was taken, of its kind, held unchanged until the master takes it; at most three requests of a kind under
 way; and each request answered within three clocks in which the master takes responses of either kind, which is liveness
-as a bound. Nothing of gc_bus_side is abstracted.
+as a bound. Nothing of gc_bus_side is abstracted. `interrupts` cuts what is loaded, so that any may be, at any time.
 
 `crossing_pulse`, `crossing_bus` and `clock_monitor` leave both clocks free: each is an input, whose edges fall in any
 order, together or never, as often as they like. A synchroniser that samples a level while it changes takes the old or

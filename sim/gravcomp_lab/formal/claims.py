@@ -87,7 +87,8 @@ CLAIMS = (
     Claim("friction", "gc_friction", {"loadable_g": "true"}, cuts=("sliding_7", "g_load_mu_7"), induction=12),
     Claim("lockstep", "gc_lockstep", {"bits_g": 4}, {"BITS": 4}),
     Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
-    Claim("interrupts", "gc_bus_side"),
+    # Of the loader nothing matters to an interrupt, and its key is 32 bits.
+    Claim("interrupts", "gc_bus_side", cuts=("unlocked", "loads", "loads_waiting")),
     Claim(
         "force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=COMPENSATOR_CLOCKS + CURRENT_SCALER_CLOCKS + 1
     ),
