@@ -16,8 +16,6 @@ from gravcomp.diagnosis.summary import joined, plain
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 
-_OF_LOAD = {"thrust_constant", "load_dependent_friction", "payload", "thermal_drift"}
-
 
 def of_report(data: Measurement, model: Model, path: Path) -> tuple[Measurement, list[Rival], np.ndarray]:
     """The log as a right sensor would have written it, the rivals that the report left open, and the noise (k,).
@@ -78,11 +76,8 @@ def words(found: Plan, noise: np.ndarray) -> list[str]:
 
 def _remedy(a: str, b: str) -> str:
     names = {*a.split(" and "), *b.split(" and ")}
-    if "current_offset" in names:
-        return "read the effort with the brakes engaged and the drive off: an offset is still there"
-    if names & _OF_LOAD:
-        return "hang a known mass on the machine and log again"
-    return "give more reach or speed by --low, --high, --speed"
+    known = [effect.remedy for effect in (effect_named(name) for name in sorted(names)) if effect.remedy]
+    return known[0] if known else "give more reach or speed by --low, --high, --speed"
 
 
 def _read(path: Path, n_axes: int) -> tuple[list[tuple[str, dict]], list[list[str]], np.ndarray]:

@@ -6,7 +6,6 @@ from gravcomp.diagnosis.contributions import counted
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.fit import Entry
 
-_OF_SENSORS = ("sensor_sign", "sensor_lag", "encoder_offset", "current_offset")
 _PLAN = "gravcomp plan"
 
 
@@ -28,10 +27,10 @@ def found_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
 
 def next_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
     """The next step: what goes where, what to measure, which sensor to check."""
-    steps = [f"check {_sensor(entry)}" for entry in d.fit.effects if entry.name in _OF_SENSORS]
+    steps = [f"check {_sensor(entry)}" for entry in d.fit.effects if entry.term.candidate.sensor]
     places: dict[str, list[str]] = {}
     for entry in _largest_first(d):
-        if entry.name not in _OF_SENSORS:
+        if not entry.term.candidate.sensor:
             places.setdefault(entry.term.candidate.hardware, []).append(plain(entry.name))
     into = [f"{joined(places[place])} into the {place}" for place in ("network", "compensator") if place in places]
     if alternatives:
@@ -45,8 +44,8 @@ def next_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
     if d.verdict in ("partly_explained", "unexplained"):
         steps.append(_search_for(d))
     if not steps:
-        is_blind = "coulomb_friction" in d.untestable
-        steps.append("log the approach velocity, without which no friction shows" if is_blind else "keep the model")
+        blind = "log the approach velocity, without which no friction shows"
+        steps.append("keep the model" if d.data.has_velocity else blind)
     return f"Next: {'; '.join(steps)}."
 
 
@@ -104,9 +103,4 @@ def _sureness(alternatives: list[list[str]]) -> str:
 def _sensor(entry: Entry) -> str:
     axes = sorted({name.axis + 1 for name in entry.parameters if getattr(name, "axis", None) is not None})
     where = f" of {'axis' if len(axes) == 1 else 'axes'} {joined([str(axis) for axis in axes])}" if axes else ""
-    return {
-        "sensor_sign": f"the sign of the effort{where}",
-        "sensor_lag": "the filter of the effort, which comes late",
-        "encoder_offset": f"the zero of the encoder{where}",
-        "current_offset": f"the zero of the current sensor{where}",
-    }[entry.name]
+    return entry.term.candidate.sensor + where

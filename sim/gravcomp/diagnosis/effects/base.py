@@ -23,6 +23,8 @@ class Effect(Candidate):
     per_axis = True
     shared: tuple[str, ...] = ()  # stems of parameters that all axes have in common
     positive: tuple[str, ...] = ()  # stems of labels whose coefficients can only be >= 0
+    sensor = ""  # what is to be checked, where a sensor is wrong and not the machine
+    remedy = ""  # what tells it from a rival where no motion or hold does
     complexity = 0.0  # added to the criterion: of two equal explanations the usual one is named
 
     @property

@@ -13,6 +13,8 @@ class CurrentOffset(Effect):
     driver = ""
     equation = "o_i"
     hardware = "network"
+    sensor = "the zero of the current sensor"
+    remedy = "read the effort with the brakes engaged and the drive off: an offset is still there"
     units = {"o": "[f]"}  # noqa: RUF012
     complexity = 0.5
     is_simple = True

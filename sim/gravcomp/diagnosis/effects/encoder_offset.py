@@ -13,6 +13,7 @@ class EncoderOffset(Effect):
     driver = "q"
     equation = "f_model(q + offset) - f_model(q)"
     hardware = "network"
+    sensor = "the zero of the encoder"
     units = {"offset": "[q]"}  # noqa: RUF012
     per_axis = False
     complexity = 0.5

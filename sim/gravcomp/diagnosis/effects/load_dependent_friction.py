@@ -13,6 +13,7 @@ class LoadDependentFriction(Effect):
     driver = "dir"
     equation = "mu_i abs(f_model_i) sign(v_i)"
     hardware = "compensator"
+    remedy = "hang a known mass on the machine and log again"
     units = {"mu": "1"}  # noqa: RUF012
     positive = ("mu",)
     complexity = 1.0

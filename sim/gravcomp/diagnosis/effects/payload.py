@@ -14,6 +14,7 @@ class Payload(Effect):
     driver = "q"
     equation = "gravity of an extra first moment m r on the platform"
     hardware = "network"
+    remedy = "hang a known mass on the machine and log again"
     units = {"moment": "kg m", "torque": "[f]"}  # noqa: RUF012
     per_axis = False
 

@@ -24,6 +24,7 @@ class SensorLag(Effect):
     driver = "f"
     equation = "f(t - tau) - f(t), f the true effort"
     hardware = "none"
+    sensor = "the filter of the effort, which comes late"
     units = {"tau": "s"}  # noqa: RUF012
     is_certain = False  # play and presliding are late, too
 

@@ -16,6 +16,7 @@ class SensorSign(Effect):
     driver = "f"
     equation = "f_exp_i = sign_i times the true effort, sign_i = -1"
     hardware = "none"
+    sensor = "the sign of the effort"
     units = {"sign": "1"}  # noqa: RUF012
 
     def shapes(self, data):

@@ -12,6 +12,7 @@ class ThermalDrift(Effect):
     name = "thermal_drift"
     equation = "gain (1 - exp(-t/tau)) f_model, or gain (T - T0) f_model"
     hardware = "none"
+    remedy = "hang a known mass on the machine and log again"
     units = {"gain": "1 or 1/K", "tau": "s", "t0": "degC"}  # noqa: RUF012
     complexity = 2.0
     scales = ("tau_s",)

@@ -13,6 +13,7 @@ class ThrustConstant(Effect):
     driver = "f"
     equation = "gain_i f_model_i"
     hardware = "network"
+    remedy = "hang a known mass on the machine and log again"
     units = {"gain": "1"}  # noqa: RUF012
     is_simple = True
     limits = {"gain": 0.5}  # noqa: RUF012 - beyond it is a sign or a unit
