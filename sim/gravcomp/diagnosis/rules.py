@@ -1,12 +1,14 @@
 """What the criterion alone does not say: which set to name, when physics is the whole story, what is ambiguous."""
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 
 from gravcomp.diagnosis.criterion import Criterion, Members
-from gravcomp.diagnosis.search import EMPTY, beam, climb, exchange, fits
+from gravcomp.diagnosis.search import EMPTY, beam, climb, exchange, fits, promising
 from gravcomp.diagnosis.thresholds import (
+    AS_A_TABLE,
     BESIDE_CORRECTION,
     IMPOSSIBLE,
     MISSED,
@@ -32,25 +34,49 @@ class Choice:
 
 def choose(criterion: Criterion) -> Choice:
     """The best set. Physics that misses next to nothing of what can be explained at all stays whole, and
-    corrections may only come on top of it; otherwise effects and corrections compete freely.
+    corrections may only come on top of it; otherwise effects and corrections compete freely. A name that a single
+    correction beats is not in the competition.
     """
-    every = [*criterion.effects, *criterion.corrections]
-    effects = exchange(criterion, beam(criterion, criterion.effects), criterion.effects)
-    effects = _simpler_axes(criterion, _simplest(criterion, effects))
-    effects = _by_direction(criterion, _trifles_dropped(criterion, effects))
-    effects = _pruned(criterion, effects)
+    allowed = list(criterion.effects)
+    effects = _named(criterion, allowed)
+    if beaten := _beaten(criterion, effects):
+        allowed = [k for k in allowed if criterion.terms[k].name not in beaten]
+        effects = _named(criterion, allowed)
+    every = [*allowed, *criterion.corrections]
     free = min((climb(criterion, start, every) for start in {EMPTY, effects}), key=criterion.score)
     free = exchange(criterion, free, every)
     missed = criterion.left(effects) - criterion.left(free)
     explained = criterion.left(EMPTY) - criterion.left(free)
     if effects and missed < MISSED * explained:
-        whole = climb(criterion, effects, criterion.corrections, locked=effects)
-        return Choice(whole, True)
+        return Choice(climb(criterion, effects, criterion.corrections, locked=effects), True)
     if free - criterion.effects_of(free):
         free = _substantial(criterion, free, BESIDE_CORRECTION)
         free = _unambiguous(criterion, climb(criterion, free, criterion.corrections, locked=free))
         free = climb(criterion, free, criterion.corrections, locked=free)
     return Choice(_pruned(criterion, free), False)
+
+
+def _named(criterion: Criterion, allowed) -> Members:
+    """The best set of effects alone."""
+    effects = exchange(criterion, beam(criterion, allowed), allowed)
+    effects = _simpler_axes(criterion, _simplest(criterion, effects))
+    return _pruned(criterion, _by_direction(criterion, _trifles_dropped(criterion, effects)))
+
+
+def _beaten(criterion: Criterion, effects: Members) -> set[str]:
+    """Names in whose place a single correction clearly shows more evidence.
+
+    Only a name with as many coefficients on an axis as a table is asked: few coefficients are what speaks for a name.
+    """
+    out, own = set(), criterion.score(effects)
+    for k in effects:
+        if max(Counter(label.axis for label in criterion.terms[k].labels).values()) < AS_A_TABLE:
+            continue
+        rest = effects - {k}
+        others = [rest | {j} for j in promising(criterion, rest, criterion.corrections)]
+        if min(map(criterion.score, others), default=own) < own - TIE:
+            out.add(criterion.terms[k].name)
+    return out
 
 
 def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:

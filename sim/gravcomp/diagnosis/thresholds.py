@@ -21,6 +21,7 @@ TRIFLE = 0.005  # of the energy explained: an effect below may imitate an error 
 TRIFLE_LEFT = 0.1  # of the energy left: an effect that takes more is none, however small beside the rest; tuned
 BESIDE_CORRECTION = 0.1  # of the energy explained: what a name must account for beside corrections; tuned
 NAMED_BESIDE = 3.0  # times what no name accounts for: what a name that accounts for less may be a part of; tuned
+AS_A_TABLE = 4  # coefficients on one axis: a name with so many fits much, as a table does
 MISSED = 0.005  # of the energy that can be explained: effects that miss less are the whole story; tuned
 VAGUE = 4  # names: beside corrections one with more rivals says nothing; tuned
 SAME_COLUMN = 1.0 - 1e-9  # correlation of two regressors that are one
