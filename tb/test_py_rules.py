@@ -15,22 +15,31 @@ class Named(Candidate):
     name, price = "named", 8.0
 
 
+class Weak(Named):
+    name = "weak"
+
+
 class Nameless(Candidate):
     name, price = "nameless", 20.0
 
 
-def certain_names(effect: float, unknown: float) -> set[str]:
-    """What stays named of one effect and one correction whose forces have these sizes, in units of the noise."""
+def certain_of(effect: float, unknown: float, weak: float = 0.0) -> tuple[set[str], bool]:
+    """What stays of two effects and one correction whose forces have these sizes, in units of the noise, that were
+    said to be the whole story; and whether they still are.
+    """
     rng = np.random.default_rng(4)
-    columns = rng.standard_normal((2, N, 1))
-    force = NOISE * (effect * columns[0] + unknown * columns[1] + rng.standard_normal((N, 1)))
+    columns = rng.standard_normal((3, N, 1))
+    sizes = np.array([effect, weak, unknown])
+    force = NOISE * (np.tensordot(sizes, columns, 1) + rng.standard_normal((N, 1)))
     terms = [
-        Regressor(Term(kind(), (Parameter("x"),)), (own,)) for kind, own in zip((Named, Nameless), columns, strict=True)
+        Regressor(Term(kind(), (Parameter("x"),)), (own,))
+        for kind, own in zip((Named, Weak, Nameless), columns, strict=True)
     ]
     gram = Gram(terms, force, np.ones((N, 1)), np.array([NOISE**2]), np.array([float(N)]))
-    criterion = Criterion([own.term for own in terms], gram, 1, {})
-    choice = certain(criterion, Choice(frozenset({0, 1}), True), np.array([NOISE]))
-    return {criterion.terms[k].name for k in choice.members}
+    criterion = Criterion([own.term for own in terms], gram, 2, {})
+    members = frozenset({0, 1, 2} if weak else {0, 2})
+    choice = certain(criterion, Choice(members, True), np.array([NOISE]))
+    return {criterion.terms[k].name for k in choice.members}, choice.is_physics_whole
 
 
 @pytest.mark.parametrize(("effect", "unknown", "stays"), [
@@ -40,6 +49,12 @@ def certain_names(effect: float, unknown: float) -> set[str]:
     (0.5, 2.0, False),
 ])  # fmt: skip
 def test_name_needs_three_times_what_no_name_accounts_for(effect, unknown, stays):
-    found = certain_names(effect, unknown)
+    found, _ = certain_of(effect, unknown)
     assert ("named" in found) == stays
     assert "nameless" in found
+
+
+@pytest.mark.parametrize(("effect", "is_whole"), [(40.0, True), (10.0, False)])
+def test_physics_stays_the_whole_story_without_a_weak_name_only_where_it_misses_next_to_nothing(effect, is_whole):
+    """What is unknown is 0.25 % of what can be explained, or 4 %."""
+    assert certain_of(effect, 2.0, weak=0.5) == ({"named", "nameless"}, is_whole)

@@ -13,6 +13,7 @@ from gravcomp.diagnosis.thresholds import HUBER, MAD_TO_SIGMA, TINY
 from gravcomp.logs.measurement import Measurement
 
 _TURNS = 2
+_PULL = 1e-6  # toward the start, beside what a parameter moves: far above rounding, far below noise
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,11 @@ class _Solution:
 
 
 def _solve(data, y, rows, effects, fixed, start, weight, known) -> _Solution:
-    """Least squares over the effects' parameters, corrections projected out."""
+    """Least squares over the effects' parameters, corrections projected out.
+
+    What moves nothing that corrections could not take stays at its start, of the smallest norm: a faint pull to it
+    decides where the data do not.
+    """
     names = [(k, name) for k in range(len(effects)) for name in start[k]]
     x0 = np.array([start[k][name] for k, name in names])
     size = np.maximum(np.abs(x0), 1e-9)
@@ -135,19 +140,24 @@ def _solve(data, y, rows, effects, fixed, start, weight, known) -> _Solution:
         """Weighted errors (m k, ...) less what corrections can take."""
         return e - q @ (q.T @ e)
 
+    def moved(scaled):
+        """Weighted derivatives (m k, p) of the force."""
+        return (force.jacobian(mix @ (scaled * size)) * weight[..., None]).reshape(y.size, -1) @ mix * size
+
     def error(scaled):
-        return projected(((y - force(mix @ (scaled * size))) * weight).ravel())
+        own = projected(((y - force(mix @ (scaled * size))) * weight).ravel())
+        return np.concatenate([own, pull * (scaled - first)])
 
     def slope(scaled):
-        own = force.jacobian(mix @ (scaled * size)) * weight[..., None]
-        return -projected(own.reshape(y.size, -1)) @ mix * size
+        return np.vstack([-projected(moved(scaled)), np.diag(pull)])
 
     x, jacobian = x0, np.zeros((y.size, 0))
     if names:
         first = np.clip(np.linalg.solve(mix, x0), low, high) / size
+        pull = _PULL * np.linalg.norm(moved(first), axis=0)
         bounds = (low / size, high / size)
         found = least_squares(error, first, jac=slope, bounds=bounds, x_scale="jac", max_nfev=12)
-        x, jacobian = mix @ (found.x * size), found.jac / size @ np.linalg.inv(mix)
+        x, jacobian = mix @ (found.x * size), found.jac[: y.size] / size @ np.linalg.inv(mix)
     left = y - force(x)
     theta = np.linalg.lstsq(weighted, (left * weight).ravel(), rcond=1e-9)[0] if fixed else np.zeros(0)
     ends = np.cumsum([columns.shape[-1] for columns in fixed])[:-1] if fixed else []

@@ -10,6 +10,7 @@ from gravcomp.diagnosis.search import EMPTY, beam, climb, exchange, fits, promis
 from gravcomp.diagnosis.thresholds import (
     AS_A_TABLE,
     BESIDE_CORRECTION,
+    FORM_LEFT,
     IMPOSSIBLE,
     MISSED,
     NAMED_BESIDE,
@@ -45,15 +46,19 @@ def choose(criterion: Criterion) -> Choice:
     every = [*allowed, *criterion.corrections]
     free = min((climb(criterion, start, every) for start in {EMPTY, effects}), key=criterion.score)
     free = exchange(criterion, free, every)
-    missed = criterion.left(effects) - criterion.left(free)
-    explained = criterion.left(EMPTY) - criterion.left(free)
-    if effects and missed < MISSED * explained:
+    if effects and _is_whole(criterion, effects, free):
         return Choice(climb(criterion, effects, criterion.corrections, locked=effects), True)
     if free - criterion.effects_of(free):
         free = _substantial(criterion, free, BESIDE_CORRECTION)
         free = _unambiguous(criterion, climb(criterion, free, criterion.corrections, locked=free))
         free = climb(criterion, free, criterion.corrections, locked=free)
     return Choice(_pruned(criterion, free), False)
+
+
+def _is_whole(criterion: Criterion, effects: Members, best: Members) -> bool:
+    """Do these effects miss next to nothing of what the best set explains?"""
+    left = criterion.left(best)
+    return criterion.left(effects) - left < MISSED * (criterion.left(EMPTY) - left)
 
 
 def _named(criterion: Criterion, allowed) -> Members:
@@ -98,7 +103,9 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:
         members = members - {weakest}
     if members == choice.members:
         return choice
-    return Choice(climb(criterion, members, criterion.corrections, locked=criterion.effects_of(members)), False)
+    effects = criterion.effects_of(members)
+    members = climb(criterion, members, criterion.corrections, locked=effects)
+    return Choice(members, choice.is_physics_whole and _is_whole(criterion, effects, members))
 
 
 def alternatives(criterion: Criterion, choice: Choice) -> list[list[str]]:
@@ -173,16 +180,16 @@ def _simplest(criterion: Criterion, members: Members) -> Members:
         if not options:
             continue
         best = rest | {min(options, key=lambda j: criterion.score(rest | {j}))}
-        if _is_trifle(criterion, best, members):
+        if _is_trifle(criterion, best, members, FORM_LEFT):
             members = best
     return members
 
 
-def _is_trifle(criterion: Criterion, fewer: Members, members: Members) -> bool:
+def _is_trifle(criterion: Criterion, fewer: Members, members: Members, of_left: float = TRIFLE_LEFT) -> bool:
     """Does the set explain next to nothing more than the smaller one, beside all that it explains and all it leaves?"""
     left = criterion.left_in_noise(members)
     lost, explained = criterion.left_in_noise(fewer) - left, criterion.left_in_noise(EMPTY) - left
-    return criterion.score(fewer) < IMPOSSIBLE and lost < min(TRIFLE * explained, TRIFLE_LEFT * left)
+    return criterion.score(fewer) < IMPOSSIBLE and lost < min(TRIFLE * explained, of_left * left)
 
 
 def _simpler_axes(criterion: Criterion, members: Members) -> Members:

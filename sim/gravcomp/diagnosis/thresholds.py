@@ -19,6 +19,7 @@ MAX_TERMS = 14  # as many as 3 axes have ever needed; bounds the time
 CANCELLATION = 3.0  # single terms may have this many times the energy of their sum; tuned
 TRIFLE = 0.005  # of the energy explained: an effect below may imitate an error of the others; tuned
 TRIFLE_LEFT = 0.1  # of the energy left: an effect that takes more is none, however small beside the rest; tuned
+FORM_LEFT = 0.25  # likewise: a general form that takes more than its special case; two real machines need 0.14 to 0.60
 BESIDE_CORRECTION = 0.1  # of the energy explained: what a name must account for beside corrections; tuned
 NAMED_BESIDE = 3.0  # times what no name accounts for: what a name that accounts for less may be a part of; tuned
 AS_A_TABLE = 4  # coefficients on one axis: a name with so many fits much, as a table does

@@ -54,8 +54,8 @@ class NonlinearCableSpring(Effect):
         return force
 
     def groups(self, labels):
-        """Axes, and before them what an offset and Coulomb friction beside it have too."""
-        level = [{label} for label in labels if label.stem in ("k0", "h0")]
+        """Axes, and before them what an offset beside it has too."""
+        level = [{label} for label in labels if label.stem == "k0"]
         return level + super().groups(labels)
 
     def constants(self, data, parameters):
@@ -65,7 +65,10 @@ class NonlinearCableSpring(Effect):
 
 
 class DirectionalNonlinearCableSpring(NonlinearCableSpring):
-    """The same with one polynomial for each direction, k +- h: the cable rubs where it bends."""
+    """The same with one polynomial for each direction, k +- h: the cable rubs where it bends.
+
+    No column is constant in a direction: friction that is the same everywhere is Coulomb friction.
+    """
 
     complexity = 8.0
 
@@ -73,7 +76,8 @@ class DirectionalNonlinearCableSpring(NonlinearCableSpring):
 
     def columns(self, data, shape):
         even = super().columns(data, shape)
-        odd = {Parameter(label.stem.replace("k", "h"), label.axis): x * data.direction for label, x in even.items()}
+        bent = [label for label in even if label.stem != "k0"]
+        odd = {Parameter(f"h{label.stem[1:]}", label.axis): even[label] * data.direction for label in bent}
         return even | odd
 
 

@@ -1,0 +1,47 @@
+"""The exact fit: what no data can tell apart stays small instead of growing without end."""
+
+import numpy as np
+import pytest
+
+from gravcomp.diagnosis.candidate import Parameter, Term, Variable
+from gravcomp.diagnosis.corrections import Table
+from gravcomp.diagnosis.effects.coulomb_friction import DirectionalCoulombFriction
+from gravcomp.diagnosis.effects.stribeck_friction import StribeckFriction
+from gravcomp.diagnosis.effects.viscous_friction import DirectionalViscousFriction, ViscousFriction
+from gravcomp.diagnosis.fit import fit_terms
+from gravcomp.logs.measurement import Measurement
+
+N, NOISE_N, SLOPE = 600, 0.05, 40.0
+VS = Parameter("vs", 0)
+
+
+def motion() -> Measurement:
+    t = 0.01 * np.arange(N)
+    q, v = np.sin(3.0 * t)[:, None], 3.0 * np.cos(3.0 * t)[:, None]
+    force = SLOPE * v + NOISE_N * np.random.default_rng(3).standard_normal((N, 1))
+    return Measurement("motion", t, q, v, force, 0.0 * force, "N", ("m",), None, None, None)
+
+
+def fitted(effects, corrections=()):
+    data = motion()
+    fit = fit_terms(data, data.force, np.arange(N), effects, list(corrections), np.array([NOISE_N]))
+    return data, fit
+
+
+def term(candidate, shape=None) -> Term:
+    return Term(candidate, tuple(candidate.columns(motion(), shape or {})), shape or {})
+
+
+@pytest.mark.parametrize("kind", [ViscousFriction, DirectionalViscousFriction])
+@pytest.mark.parametrize(("beside", "shape"), [(DirectionalCoulombFriction, {}), (StribeckFriction, {VS: 0.3})])
+def test_effect_that_a_table_could_be_does_not_run_away(kind, beside, shape):
+    """A table with a knot at rest holds every straight line on each side of it."""
+    table = Table(0, (Variable("v", 0),), (-3.0, -1.5, 0.0, 1.5, 3.0))
+    data, fit = fitted([term(kind()), term(beside(), shape)], [term(table)])
+    assert np.abs(list(fit.effects[0].parameters.values())).max() <= SLOPE
+    assert np.sqrt(np.mean((data.force - fit.predict(data)) ** 2)) == pytest.approx(NOISE_N, rel=0.1)
+
+
+def test_effect_that_the_data_tell_is_not_pulled():
+    _, fit = fitted([term(ViscousFriction())])
+    assert fit.effects[0].parameters["b_1"] == pytest.approx(SLOPE, abs=4 * NOISE_N / np.sqrt(N))
