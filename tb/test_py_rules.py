@@ -6,7 +6,7 @@ import pytest
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Regressor, Term
 from gravcomp.diagnosis.criterion import Criterion
 from gravcomp.diagnosis.gram import Gram
-from gravcomp.diagnosis.rules import Choice, certain
+from gravcomp.diagnosis.rules import Choice, _simpler_axes, certain
 
 N, NOISE = 400, 0.1
 
@@ -58,3 +58,38 @@ def test_name_needs_three_times_what_no_name_accounts_for(effect, unknown, stays
 def test_physics_stays_the_whole_story_without_a_weak_name_only_where_it_misses_next_to_nothing(effect, is_whole):
     """What is unknown is 0.25 % of what can be explained, or 4 %."""
     assert certain_of(effect, 2.0, weak=0.5) == ({"named", "nameless"}, is_whole)
+
+
+class Simple(Candidate):
+    name, price, is_simple = "simple", 8.0, True
+
+
+class General(Candidate):
+    name, price, special_case = "general", 8.0, "simple"
+
+
+def axes_of_general(more: float) -> set[int]:
+    """Axes that keep the general form, of two, where the special case leaves ``more`` of the noise's energy, in units
+    of one sample's, on the second.
+    """
+    rng, n = np.random.default_rng(6), 2000
+    simple, rest, other, noise = rng.standard_normal((4, n))
+    general = np.column_stack([other, simple + np.sqrt(more / n) / 20.0 * rest])
+    force = NOISE * (20.0 * general + np.column_stack([noise, rng.standard_normal(n)]))
+    x = [Parameter("x", axis) for axis in range(2)]
+    own = (general[:, [0]], general[:, [1]])
+    columns = [np.column_stack([c, 0 * c]) if a == 0 else np.column_stack([0 * c, c]) for a, c in enumerate(own)]
+    terms = [
+        Regressor(Term(General(), tuple(x)), (columns[0], columns[1])),
+        Regressor(Term(Simple(), (Parameter("s", 1),)), (None, simple[:, None])),
+    ]
+    gram = Gram(terms, force, np.ones((n, 2)), np.full(2, NOISE**2), np.full(2, float(n)))
+    criterion = Criterion([own.term for own in terms], gram, 2, {})
+    members = _simpler_axes(criterion, frozenset({0}))
+    return {label.axis for k in members for label in criterion.terms[k].labels if criterion.terms[k].name == "general"}
+
+
+@pytest.mark.parametrize(("more", "axes"), [(0.0, {0}), (100.0, {0, 1})])
+def test_simple_form_takes_an_axis_only_where_it_has_the_evidence(more, axes):
+    """100 is 2.5 % of what is left and far below 0.5 % of what is explained, and odds of exp(40)."""
+    assert axes_of_general(more) == axes

@@ -205,7 +205,8 @@ def _simpler_axes(criterion: Criterion, members: Members) -> Members:
                 break
             part = criterion.part(k, kept)
             fewer = climb(criterion, (members - {k}) | {part}, simple)
-            if _is_trifle(criterion, fewer, members):
+            is_as_good = criterion.score(fewer) <= criterion.score(members) + TIE
+            if is_as_good and _is_trifle(criterion, fewer, members):
                 members, k = fewer, part
     return members
 
