@@ -6,7 +6,7 @@ import pytest
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Regressor, Term
 from gravcomp.diagnosis.criterion import Criterion
 from gravcomp.diagnosis.gram import Gram
-from gravcomp.diagnosis.rules import Choice, _simpler_axes, certain
+from gravcomp.diagnosis.rules import Choice, _beaten, _simpler_axes, _without, certain
 
 N, NOISE = 400, 0.1
 
@@ -93,3 +93,36 @@ def axes_of_general(more: float) -> set[int]:
 def test_simple_form_takes_an_axis_only_where_it_has_the_evidence(more, axes):
     """100 is 2.5 % of what is left and far below 0.5 % of what is explained, and odds of exp(40)."""
     assert axes_of_general(more) == axes
+
+
+class Curve(Named):
+    name = "curve"
+
+
+class OfOneAxis(Nameless):
+    def __init__(self, axis: int):
+        self.axis = axis
+
+
+def test_name_gives_way_on_the_axis_where_a_correction_of_that_axis_shows_more_evidence():
+    """The name is right on axis 2; on axis 1 it has a half of a force that one correction has whole. A force of axis 2
+    that no name has is another matter.
+    """
+    rng, n = np.random.default_rng(7), 500
+    curves, (half, more), noise = (rng.standard_normal((size, n)) for size in (8, 2, 2))
+    curves[0] += half
+    force = np.column_stack([2.0 * half, curves[4:].sum(axis=0) + more]) + NOISE * noise.T
+    labels = tuple(Parameter(f"x{a}", axis) for axis in range(2) for a in range(4))
+    zero = np.zeros((n, 4))
+    terms = [
+        Regressor(Term(Curve(), labels), (np.c_[curves[:4].T, zero], np.c_[zero, curves[4:].T])),
+        Regressor(Term(OfOneAxis(0), (Parameter("y"),)), (half[:, None], None)),
+        Regressor(Term(OfOneAxis(1), (Parameter("y"),)), (None, more[:, None])),
+    ]
+    gram = Gram(terms, force, np.ones((n, 2)), np.full(2, NOISE**2), np.full(2, float(n)))
+    criterion = Criterion([own.term for own in terms], gram, 1, {})
+    beaten = _beaten(criterion, frozenset({0}))
+    assert beaten == {("curve", 0)}
+    (left,) = _without(criterion, [0], beaten)
+    assert criterion.terms[left].labels == labels[4:]
+    assert _without(criterion, [0], {("curve", 0), ("curve", 1)}) == []

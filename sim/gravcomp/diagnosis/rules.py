@@ -40,8 +40,8 @@ def choose(criterion: Criterion) -> Choice:
     """
     allowed = list(criterion.effects)
     effects = _named(criterion, allowed)
-    if beaten := _beaten(criterion, effects):
-        allowed = [k for k in allowed if criterion.terms[k].name not in beaten]
+    while beaten := _beaten(criterion, effects):
+        allowed = _without(criterion, allowed, beaten)
         effects = _named(criterion, allowed)
     every = [*allowed, *criterion.corrections]
     free = min((climb(criterion, start, every) for start in {EMPTY, effects}), key=criterion.score)
@@ -68,19 +68,33 @@ def _named(criterion: Criterion, allowed) -> Members:
     return _pruned(criterion, _by_direction(criterion, _trifles_dropped(criterion, effects)))
 
 
-def _beaten(criterion: Criterion, effects: Members) -> set[str]:
-    """Names in whose place a single correction clearly shows more evidence.
+def _beaten(criterion: Criterion, effects: Members) -> set[tuple[str, int]]:
+    """Names and axes on which, in the place of the name, a single correction of that axis clearly shows more evidence.
 
-    Only a name with as many coefficients on an axis as a table is asked: few coefficients are what speaks for a name.
+    Only a name with as many coefficients on the axis as a table is asked: few coefficients are what speaks for a name.
     """
     out, own = set(), criterion.score(effects)
-    for k in effects:
-        if max(Counter(label.axis for label in criterion.terms[k].labels).values()) < AS_A_TABLE:
-            continue
-        rest = effects - {k}
-        others = [rest | {j} for j in promising(criterion, rest, criterion.corrections)]
-        if min(map(criterion.score, others), default=own) < own - TIE:
-            out.add(criterion.terms[k].name)
+    for k in sorted(effects):
+        labels = criterion.terms[k].labels
+        for axis, size in Counter(label.axis for label in labels).items():
+            if size < AS_A_TABLE or axis is None:
+                continue
+            rest = frozenset(_without(criterion, effects, {(criterion.terms[k].name, axis)}))
+            there = [j for j in criterion.corrections if criterion.terms[j].candidate.axis == axis]
+            others = [rest | {j} for j in promising(criterion, rest, there)]
+            if min(map(criterion.score, others), default=own) < own - TIE:
+                out.add((criterion.terms[k].name, axis))
+    return out
+
+
+def _without(criterion: Criterion, terms, beaten: set[tuple[str, int]]) -> list[int]:
+    """The terms, each with the labels that are left of it where a name is not to stand on an axis."""
+    out = []
+    for k in terms:
+        name, labels = criterion.terms[k].name, criterion.terms[k].labels
+        kept = tuple(label for label in labels if (name, label.axis) not in beaten)
+        if kept:
+            out.append(k if kept == labels else criterion.part(k, kept))
     return out
 
 
