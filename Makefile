@@ -72,11 +72,9 @@ system: setup ## gc_system: registers, interrupt, results on two clocks; path la
 	@$(LAB) path --weights "$(WEIGHTS)"
 
 hil: setup ## the robot in the physics engine and gc_system in one simulation: PID with and without the core, faults; docs/measured/hil.md
-	@HIL=full $(PYTEST) -s tb/test_rtl_hil.py
-	@$(LAB) hil-report --docs docs/measured
+	@$(LAB) hil --docs docs/measured
 
 budget: setup ## operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics
-	@$(PYTEST) -q tb/test_rtl_budget.py
 	@$(LAB) budget --weights "$(WEIGHTS)"
 
 latency: setup ## initiation interval and latency per number of lanes, measured in simulation

@@ -8,9 +8,8 @@ import pytest
 from gravcomp.prototype.body import TIME_STEP_S
 from gravcomp.robot.spheiro.kinematics import direct_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces_at
-from gravcomp_lab.__main__ import main
 from gravcomp_lab.hil.plant import BRAKE_N, BrakedPrototype, Pid
-from gravcomp_lab.hil.runs import FULL, SHORT, Log, load, save, stop_after
+from gravcomp_lab.hil.runs import FULL, SHORT, Log, stop_after
 from machines import P
 
 START_M = FULL[0].target_m(0.0, P)
@@ -120,19 +119,3 @@ def test_stop_is_when_the_platform_is_still_for_good():
 def test_stop_never_comes_while_the_platform_moves():
     run = replace(FULL[2], fault_s=10 * TIME_STEP_S)
     assert stop_after(run, log_with(np.full(40, 0.02), np.arange(40) * 1e-6)).still_s == np.inf
-
-
-def test_log_is_read_as_written(tmp_path):
-    log = log_with(np.arange(5.0), np.arange(5.0))
-    save(tmp_path, FULL[0], log)
-    for name, values in vars(load(tmp_path, FULL[0])).items():
-        np.testing.assert_array_equal(values, getattr(log, name))
-
-
-@pytest.mark.parametrize("content", [None, b"", b"nonsense", b"PK\x03\x04"])
-def test_report_refuses_a_missing_or_damaged_run_in_one_line(content, tmp_path, capsys):
-    if content is not None:
-        (tmp_path / "pid.npz").write_bytes(content)
-    assert main(["hil-report", "--run", str(tmp_path)]) == 2
-    printed = capsys.readouterr()
-    assert (printed.out, printed.err.count("\n")) == ("", 1)

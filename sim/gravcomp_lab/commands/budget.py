@@ -1,29 +1,27 @@
 """Print the operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics."""
 
-import json
 from pathlib import Path
 
-from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from gravcomp.robot.spheiro.robot import spheiro_of
+from gravcomp_lab.benches.budget import budget_run
+from gravcomp_lab.benches.core import LANES
 from gravcomp_lab.paper.operations import count_network_operations, count_statics_operations
 
-KINDS = ("multiplications", "sums")
 PAPER = "| paper: statics by its analytic model | | | | | 532 | 8305 |"
 
 
 def add_arguments(parser):
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="weights folder")
-    parser.add_argument("--rtl", type=Path, default=Path("build/budget-4.json"), help="counts of the simulated core")
+    parser.add_argument("--lanes", type=int, default=4, choices=LANES, help="neurons per clock (default 4)")
+    parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
+    parser.add_argument("--build", type=Path, default=Path("build"), help="folder of the simulation")
 
 
 def run(arguments):
-    try:
-        rows = json.loads(arguments.rtl.read_text())
-        mults, sums = (sum(row["number"] for row in rows if row["kind"] == kind) for kind in KINDS)
-    except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(f"{arguments.rtl}: no such count, or a damaged one; start `make budget`") from None
+    counted = budget_run(arguments.lanes, arguments.rtl, arguments.build, arguments.weights)
+    mults, sums = counted["multiplications"], counted["sums"]
     network, statics = (
         count_network_operations(load_network(arguments.weights)),
         count_statics_operations(spheiro_of(load_machine(arguments.weights))),

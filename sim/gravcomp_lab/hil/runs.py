@@ -1,16 +1,13 @@
-"""Runs of the robot in the physics engine with gc_system in the loop: what they are, what they left, what it says.
+"""Runs of the robot in the physics engine with gc_system in the loop: what they are, and what their logs say.
 
 Time starts when the brakes open. Each run holds a pose, steps to others if it has steps, then moves slowly.
 """
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 
-from gravcomp.errors import InputError
 from gravcomp.prototype.body import TIME_STEP_S
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
 from gravcomp.robot.spheiro.parameters import RobotParameters
@@ -115,6 +112,9 @@ SHORT = with_faults(
 )
 
 
+SETS = {"full": FULL, "short": SHORT}
+
+
 @dataclass(frozen=True)
 class Log:
     """What happened from the opening of the brakes on, every TIME_STEP_S.
@@ -166,19 +166,3 @@ def stop_after(run: Run, log: Log) -> Stop:
 def rms(values: np.ndarray) -> float:
     """Over time and axes."""
     return float(np.sqrt(np.mean(values**2)))
-
-
-def save(folder: Path, run: Run, log: Log) -> None:
-    """Write <folder>/<name of the run>.npz."""
-    folder.mkdir(parents=True, exist_ok=True)
-    np.savez_compressed(folder / f"{run.name}.npz", **vars(log))
-
-
-def load(folder: Path, run: Run) -> Log:
-    """Read what save wrote. Raises InputError when it is not there, or damaged."""
-    path = folder / f"{run.name}.npz"
-    try:
-        with np.load(path) as saved:
-            return Log(**{name: saved[name] for name in saved.files})
-    except (OSError, ValueError, TypeError, EOFError, BadZipFile):
-        raise InputError(f"{path}: no such run, or a damaged one; start `make hil` first") from None

@@ -1,0 +1,84 @@
+"""The operations of one inference, counted in the running VHDL.
+
+Every multiplier, adder tree, activation and output of the core is watched through its in_valid or out_valid.
+"""
+
+from collections import Counter
+from pathlib import Path
+
+import cocotb
+from cocotb.handle import HierarchyObject
+from cocotb.triggers import FallingEdge, Timer
+
+from gravcomp.core.formats import COUNT_BITS
+from gravcomp.simulation.measured import hand_over
+from gravcomp.simulation.simulator import simulate
+from gravcomp_lab.benches.codes import fixed_network, pack
+from gravcomp_lab.benches.stream import start
+from gravcomp_lab.shipped import ROOT
+from gravcomp_lab.synthesis.verilog import rtl_sources
+
+LAYERS = ("input_scaler", "hidden_lane", "activation", "output_layer", "output_scaler")
+
+
+def instances(handle, path: str = ""):
+    """All (path, ports) below a handle that have an in_valid; GHDL finds names inside generates only by iteration."""
+    members = {member._name: member for member in handle}
+    if "in_valid" in members:
+        yield path, members
+    for name, member in members.items():
+        if isinstance(member, HierarchyObject):
+            yield from instances(member, f"{path}/{name}")
+
+
+def operations(watched: dict, n_outputs: int) -> Counter:
+    """Operations that the core begins in this clock, by kind and layer."""
+    count = Counter()
+    for path, ports in watched.items():
+        layer = next((name for name in LAYERS if name in path), None)
+        instance = path.rsplit("/", 1)[1]
+        begins = ports["in_valid"].value == 1
+        if instance == "i_multiply":
+            count["multiplications", layer] += begins
+        elif instance == "i_sum":
+            count["sums", layer] += begins
+        elif instance == "i_activation":
+            # theta |a|, a shift in hardware, and its difference from beta
+            count["multiplications", layer] += begins
+            count["sums", layer] += begins
+        elif instance == "i_output_layer":
+            # products over lanes and clocks and the bias: one n-ary sum per output
+            count["sums", layer] += n_outputs * (ports["out_valid"].value == 1)
+    return count
+
+
+@cocotb.test()
+async def one_inference(dut):
+    fixed = fixed_network()
+    watched = {path: ports for path, ports in instances(dut) if path}
+    total = Counter()
+    await start(dut)
+    dut.in_count.value = pack([1000 * (i + 1) for i in range(fixed.n_axes)], COUNT_BITS)
+    dut.in_valid.value = 1
+    for _ in range(80):
+        # Before the rising edge that begins the operations.
+        await Timer(1, "ns")
+        total += operations(watched, fixed.n_axes)
+        await FallingEdge(dut.clk)
+        dut.in_valid.value = 0
+    hand_over(operations=[[kind, layer, n] for (kind, layer), n in sorted(total.items())])
+
+
+def budget_run(lanes: int, rtl: Path, build: Path, weights: Path) -> dict[str, int]:
+    """Multiplications and sums of one inference of gc_core with so many lanes, in GHDL with rtl's ROM, from weights."""
+    measured = simulate(
+        "gc_core",
+        __name__,
+        sources=rtl_sources(rtl),
+        build_dir=build / f"budget-{lanes}",
+        python_path=ROOT / "sim",
+        generics={"lanes_g": lanes},
+        environment={"WEIGHTS": str(weights.absolute())},
+    )
+    rows = measured["operations"]
+    return {kind: sum(n for own, _, n in rows if own == kind) for kind in ("multiplications", "sums")}
