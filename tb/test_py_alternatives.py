@@ -5,7 +5,7 @@ import pytest
 
 from gravcomp.diagnosis.diagnosis import diagnose
 from gravcomp.diagnosis.model import Model
-from gravcomp.diagnosis.report import report
+from gravcomp.diagnosis.report.report import report
 from gravcomp.logs.csv_reader import read_measurement
 
 N = 400

@@ -44,7 +44,7 @@ def test_diagnosis_without_report_html_imports_no_simulator_and_no_plots(tmp_pat
     program = (
         "from gravcomp.diagnosis.diagnosis import diagnose\n"
         "from gravcomp.diagnosis.model import Model\n"
-        "from gravcomp.diagnosis import report_html\n"
+        "from gravcomp.diagnosis.report import report_html\n"
         "from gravcomp.logs.csv_reader import read_measurement\n"
         "diagnose(read_measurement(sys.argv[1], None), Model())\n"
     )

@@ -9,7 +9,7 @@ import pytest
 from gravcomp.cli import main
 from gravcomp.diagnosis.diagnosis import diagnose
 from gravcomp.diagnosis.model import Model, load_model, model_toml
-from gravcomp.diagnosis.report import report
+from gravcomp.diagnosis.report.report import report
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces_at

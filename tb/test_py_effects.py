@@ -19,7 +19,7 @@ from gravcomp.diagnosis.candidate import Parameter, Term
 from gravcomp.diagnosis.effects import EFFECTS, NAMES, effect_named
 from gravcomp.diagnosis.fit import fit_terms
 from gravcomp.diagnosis.model import Model
-from gravcomp.diagnosis.periodogram import find_lines, pitch_of
+from gravcomp.diagnosis.search.periodogram import find_lines, pitch_of
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 from gravcomp.robot.machine import load_machine

@@ -9,7 +9,7 @@ from gravcomp.diagnosis.effects.coulomb_friction import CoulombFriction
 from gravcomp.diagnosis.effects.thermal_drift import ThermalDrift
 from gravcomp.diagnosis.fit import Entry, Fit
 from gravcomp.diagnosis.leftover import drivers, find
-from gravcomp.diagnosis.split import block_labels
+from gravcomp.diagnosis.samples.split import block_labels
 from measured_samples import holds, motion
 
 HOLDS, MOTION = holds(600, 1), motion(1200)

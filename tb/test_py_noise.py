@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gravcomp.diagnosis.noise import model_free
+from gravcomp.diagnosis.samples.noise import model_free
 from gravcomp.logs.measurement import Measurement
 
 SIGMA = 0.2

@@ -8,7 +8,7 @@ import pytest
 
 from gravcomp.cli import main
 from gravcomp.diagnosis.candidate import Parameter
-from gravcomp.diagnosis.plan import ENOUGH, Reach, Rival, _contests, plan
+from gravcomp.diagnosis.plan.plan import ENOUGH, Reach, Rival, _contests, plan
 from gravcomp.errors import InputError
 from gravcomp.logs.joining import joined
 from gravcomp.logs.measurement import Measurement

@@ -11,11 +11,11 @@ import pytest
 
 import browser
 from gravcomp.cli import main
-from gravcomp.diagnosis.contributions import contributions, counted
 from gravcomp.diagnosis.diagnosis import diagnose
-from gravcomp.diagnosis.figures import driver_figure
 from gravcomp.diagnosis.model import Model
-from gravcomp.diagnosis.report import report, text, unit_of
+from gravcomp.diagnosis.report.contributions import contributions, counted
+from gravcomp.diagnosis.report.figures import driver_figure
+from gravcomp.diagnosis.report.report import report, text, unit_of
 from gravcomp.logs.csv_reader import read_measurement
 from machines import SHIPPED
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Regressor, Term
-from gravcomp.diagnosis.criterion import Criterion
-from gravcomp.diagnosis.gram import Gram
-from gravcomp.diagnosis.rules import Choice, _beaten, _simpler_axes, _without, certain
+from gravcomp.diagnosis.search.criterion import Criterion
+from gravcomp.diagnosis.search.gram import Gram
+from gravcomp.diagnosis.search.rules import Choice, _beaten, _simpler_axes, _without, certain
 
 N, NOISE = 400, 0.1
 

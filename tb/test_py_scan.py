@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gravcomp.diagnosis.periodogram import find_lines, pitch_of, step_in
+from gravcomp.diagnosis.search.periodogram import find_lines, pitch_of, step_in
 
 SPAN_M = 0.16
 PITCH_M = 0.012

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gravcomp.diagnosis.split import TEST_SHARE, block_labels, held_out
+from gravcomp.diagnosis.samples.split import TEST_SHARE, block_labels, held_out
 from gravcomp.errors import InputError
 from measured_samples import holds, motion
 

@@ -49,8 +49,8 @@ def diagnose_log(arguments, robot: Path | None) -> tuple:
 
     from gravcomp.diagnosis.diagnosis import diagnose
     from gravcomp.diagnosis.model import Model, load_model, model_toml
-    from gravcomp.diagnosis.report import report, report_json, text
-    from gravcomp.diagnosis.report_html import report_html
+    from gravcomp.diagnosis.report.report import report, report_json, text
+    from gravcomp.diagnosis.report.report_html import report_html
     from gravcomp.logs.csv_reader import read_measurement
     from gravcomp.logs.joining import joined
 

@@ -24,8 +24,8 @@ def add_arguments(parser):
 
 def run(arguments):
     from gravcomp.diagnosis.model import Model, load_model
-    from gravcomp.diagnosis.plan import plan
-    from gravcomp.diagnosis.planned import of_report, plan_csv, reach_of, words
+    from gravcomp.diagnosis.plan.plan import plan
+    from gravcomp.diagnosis.plan.planned import of_report, plan_csv, reach_of, words
     from gravcomp.logs.csv_reader import read_measurement
 
     model = load_model(arguments.robot) if arguments.robot else Model()

@@ -11,7 +11,7 @@ import numpy as np
 from sklearn.preprocessing import PolynomialFeatures
 
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Variable, on_axis, variables
-from gravcomp.diagnosis.periodogram import find_lines, step_in
+from gravcomp.diagnosis.search.periodogram import find_lines, step_in
 from gravcomp.diagnosis.thresholds import EMPIRICAL_PRICE, SCAN_PRICE
 from gravcomp.logs.measurement import Measurement
 

@@ -12,15 +12,17 @@ from functools import partial
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from gravcomp.diagnosis import corrections, leftover, outliers, sensors, split, verdict
+from gravcomp.diagnosis import corrections, leftover, verdict
 from gravcomp.diagnosis.candidate import Regressor, Term
-from gravcomp.diagnosis.criterion import Criterion
 from gravcomp.diagnosis.effects import EFFECTS, Effect, effect_named
 from gravcomp.diagnosis.fit import Entry, Fit, fit_terms
-from gravcomp.diagnosis.gram import Gram
 from gravcomp.diagnosis.model import Model
-from gravcomp.diagnosis.noise import Noise, model_free
-from gravcomp.diagnosis.rules import Choice, alternatives, certain, choose
+from gravcomp.diagnosis.samples import outliers, sensors, split
+from gravcomp.diagnosis.samples.noise import Noise, model_free
+from gravcomp.diagnosis.search.criterion import Criterion
+from gravcomp.diagnosis.search.gram import Gram
+from gravcomp.diagnosis.search.rules import Choice, alternatives, certain, choose
+from gravcomp.diagnosis.search.withdrawal import confirmed
 from gravcomp.diagnosis.thresholds import (
     AS_MUCH,
     CLEARLY_LESS,
@@ -33,7 +35,6 @@ from gravcomp.diagnosis.thresholds import (
     SLOW_SHARE,
     TINY,
 )
-from gravcomp.diagnosis.withdrawal import confirmed
 from gravcomp.logs.measurement import Measurement
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gravcomp.diagnosis.fit import Fit
-from gravcomp.diagnosis.noise import Noise
+from gravcomp.diagnosis.samples.noise import Noise
 from gravcomp.diagnosis.thresholds import MINOR_SHARE, REMAINDER, TINY
 from gravcomp.logs.measurement import Measurement
 

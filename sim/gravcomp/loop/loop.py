@@ -15,7 +15,7 @@ from gravcomp.core.provenance import PROVENANCE_JSON, provenance_text
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.model import Model, model_toml
-from gravcomp.diagnosis.report import errors, report
+from gravcomp.diagnosis.report.report import errors, report
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp.logs.measurement import Measurement

@@ -11,7 +11,7 @@ import numpy as np
 
 from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
 from gravcomp.diagnosis.model import Model
-from gravcomp.diagnosis.plan import Plan, Reach, contested, correlated, plan, rivals
+from gravcomp.diagnosis.plan.plan import Plan, Reach, contested, correlated, plan, rivals
 from gravcomp.logs.joining import joined
 from gravcomp.logs.measurement import Measurement
 from gravcomp_lab.blind.from_model import drawable, listed, machine_log

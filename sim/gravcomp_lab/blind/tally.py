@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
 from gravcomp.diagnosis.effects import NAMES
 from gravcomp.diagnosis.model import Model
-from gravcomp.diagnosis.report import report
+from gravcomp.diagnosis.report.report import report
 from gravcomp.prototype.imperfections import UNLISTED
 from gravcomp_lab.blind import from_model, from_prototype
 

@@ -5,7 +5,7 @@ import numpy as np
 from gravcomp.core.compensation import MAX_HARMONIC, no_compensation
 from gravcomp.diagnosis.candidate import Parameter, on_axis
 from gravcomp.diagnosis.effects.base import Effect
-from gravcomp.diagnosis.periodogram import find_lines, pitch_of
+from gravcomp.diagnosis.search.periodogram import find_lines, pitch_of
 from gravcomp.errors import InputError
 
 _SEEN = 2.2  # distances of places per wave: at two a wave and its image cannot be told apart

@@ -6,7 +6,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
-from gravcomp.diagnosis.sensors import inverted
+from gravcomp.diagnosis.samples.sensors import inverted
 
 
 class SensorSign(Effect):

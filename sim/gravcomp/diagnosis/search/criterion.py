@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, Term
-from gravcomp.diagnosis.gram import Gram, Subset
+from gravcomp.diagnosis.search.gram import Gram, Subset
 from gravcomp.diagnosis.thresholds import CANCELLATION, IMPOSSIBLE, NEGATIVE_Z, TINY
 
 Members = frozenset  # of numbers of terms

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.diagnosis import sensors
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects import NAMES, effect_named
 from gravcomp.diagnosis.model import Model
-from gravcomp.diagnosis.plan import ENOUGH, Plan, Reach, Rival, correlated, rivals, without_identities
-from gravcomp.diagnosis.summary import joined, plain
+from gravcomp.diagnosis.plan.plan import ENOUGH, Plan, Reach, Rival, correlated, rivals, without_identities
+from gravcomp.diagnosis.report.summary import joined, plain
+from gravcomp.diagnosis.samples import sensors
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 

@@ -22,7 +22,7 @@ from gravcomp.diagnosis.candidate import Regressor, Term
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.effects import EFFECTS, effect_named
 from gravcomp.diagnosis.fit import fit_terms
-from gravcomp.diagnosis.gram import pseudo_inverse
+from gravcomp.diagnosis.search.gram import pseudo_inverse
 from gravcomp.diagnosis.thresholds import TIE, TINY, TRIFLE
 from gravcomp.logs.clock import usual_step
 from gravcomp.logs.joining import stacked

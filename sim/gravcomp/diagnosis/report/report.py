@@ -5,10 +5,10 @@ import json
 import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
-from gravcomp.diagnosis.contributions import contributions, counted
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.fit import Entry
-from gravcomp.diagnosis.summary import found_sentence, next_sentence
+from gravcomp.diagnosis.report.contributions import contributions, counted
+from gravcomp.diagnosis.report.summary import found_sentence, next_sentence
 from gravcomp.logs.measurement import Measurement
 
 _WORST = 5

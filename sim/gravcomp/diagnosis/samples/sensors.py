@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gravcomp.diagnosis.outliers import spread
+from gravcomp.diagnosis.samples.outliers import spread
 from gravcomp.diagnosis.thresholds import LEAK, SIGN_GAIN, TINY, TWO_VALUED
 from gravcomp.logs.measurement import Measurement, velocity_from_position
 

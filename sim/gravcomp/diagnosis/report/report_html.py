@@ -1,8 +1,8 @@
 """report.html: one file, its figures inside."""
 
 from gravcomp.diagnosis.diagnosis import Diagnosis
-from gravcomp.diagnosis.figures import axis_figure, driver_figure
-from gravcomp.diagnosis.report import by_reason, error_rows, report
+from gravcomp.diagnosis.report.figures import axis_figure, driver_figure
+from gravcomp.diagnosis.report.report import by_reason, error_rows, report
 
 # Okabe and Ito, 2008: told apart by every eye; what has no name is grey.
 _COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#f0e442", "#000000")
@@ -15,7 +15,7 @@ def report_html(d: Diagnosis) -> str:
     """The page."""
     import jinja2
 
-    pages = jinja2.Environment(loader=jinja2.PackageLoader("gravcomp.diagnosis", "."), autoescape=True)
+    pages = jinja2.Environment(loader=jinja2.PackageLoader("gravcomp.diagnosis.report", "."), autoescape=True)
     content = report(d)
     return pages.get_template("report.html.j2").render(
         name=d.data.name, r=content, rows=error_rows(content), bars=_bars(content), legend=_legend(content),

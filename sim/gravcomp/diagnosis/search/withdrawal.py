@@ -4,7 +4,7 @@ import numpy as np
 from sklearn.model_selection import GroupKFold
 
 from gravcomp.diagnosis.candidate import Term
-from gravcomp.diagnosis.gram import pseudo_inverse
+from gravcomp.diagnosis.search.gram import pseudo_inverse
 from gravcomp.diagnosis.thresholds import TINY
 from gravcomp.logs.measurement import Measurement
 

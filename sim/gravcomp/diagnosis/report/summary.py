@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.contributions import counted
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.fit import Entry
+from gravcomp.diagnosis.report.contributions import counted
 
 _PLAN = "gravcomp plan"
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.criterion import Criterion, Members
+from gravcomp.diagnosis.search.criterion import Criterion, Members
 from gravcomp.diagnosis.thresholds import BEAM_DEPTH, BEAM_WIDTH, MAX_TERMS, PROMISING, TINY
 
 EMPTY: Members = frozenset()

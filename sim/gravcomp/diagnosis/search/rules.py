@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gravcomp.diagnosis.criterion import Criterion, Members
-from gravcomp.diagnosis.search import EMPTY, beam, climb, exchange, fits, promising
+from gravcomp.diagnosis.search.criterion import Criterion, Members
+from gravcomp.diagnosis.search.search import EMPTY, beam, climb, exchange, fits, promising
 from gravcomp.diagnosis.thresholds import (
     AS_A_TABLE,
     BESIDE_CORRECTION,

@@ -1,0 +1,1 @@
+"""The next measurement, which tells apart what this log could not."""

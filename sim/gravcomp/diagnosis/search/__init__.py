@@ -1,0 +1,1 @@
+"""The search for the set of candidates that explains a residual: algebra, criterion, moves, rules."""
