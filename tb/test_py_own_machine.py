@@ -15,6 +15,7 @@ from gravcomp.loop.loop import RUNS, SAMPLES, answer_file
 from gravcomp.robot.machine import ROBOT_TOML, load_machine
 from machines import SHIPPED, changed, machine_folder
 from measured_samples import holds, write_log
+from onnx_files import torch_like
 
 # What the tree has of a machine.
 OTHERS = (ROOT / "weights", ROOT / "rtl" / "generated", ROOT / "data")
@@ -29,6 +30,8 @@ def place(tmp_path_factory):
     force = load_machine(folder / "machine").robot.forces(data.q) + 1.5 * np.sign(data.v)
     noise = 0.1 * np.random.default_rng(1).standard_normal(data.shape)
     write_log(folder / "log.csv", data.t_s, data.q, data.v, force + noise)
+    rng = np.random.default_rng(2)
+    torch_like(folder / "net.onnx", w=rng.normal(size=(9, 3)), v=rng.normal(size=(3, 9)), c=np.zeros(3), width=3)
     (folder / "turn.txt").write_text("Time,Position,Iq\n" + "".join(f"{k},{k / 99},0.1\n" for k in range(40)))
     return folder
 
@@ -71,6 +74,10 @@ CASES = {
     "loop-report": [],
     "measure": ["--robot", "machine", "--points", "40", "--out", "measured.csv"],
     "import": ["anticogging", "turn.txt", "--out", "imported.csv"],
+    "plan": ["log.csv", "--robot", "machine", "--report", "report"],
+    "new": ["project", "--robot", "machine"],
+    "import-network": ["net.onnx", "--robot", "machine", "--out", "imported", "--poses", "200"],
+    "vectors": ["--weights", "machine", "--out", "vectors.txt"],
 }
 WITHOUT_A_ROBOT = {"loop-report", "import"}
 
