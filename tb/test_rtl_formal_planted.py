@@ -172,8 +172,10 @@ PLANTED = [
         ("if next_v = state_run_c then", "if next_v = state_run_c and in_carried = '1' then",
          "both_paths_open_the_brakes"),
     ]),
-    ("brakes", "gc_brake_permit", [
-        ("idle_v or (shut_v and not in_test(i))", "idle_v", "brakes_are_shut_but_in_run_and_test"),
+    # One path alone opens no brake: both are told of every axis.
+    ("brakes", "gc_brake_test", [
+        ("out_first <= axis when", "out_first <= (others => '1') when", "brakes_are_shut_but_in_run_and_test"),
+        ("out_second <= axis when", "out_second <= (others => '1') when", "brakes_are_shut_but_in_run_and_test"),
     ]),
     ("brakes", "gc_brake_test", [
         ("next_done <= axis(inputs_c - 1);", "next_done <= axis(inputs_c - 2);",
@@ -367,5 +369,6 @@ def test_planted_faults_are_refuted_together(checker, file, faults, tmp_path):
         assert text.count(good) == 1, good
         text = text.replace(good, bad)
     source.write_text(text)
-    verdict = verify(BY_CHECKER[checker], tmp_path / "rtl", CHECKERS, tmp_path / "out")
-    assert {assertion for _, _, assertion in faults} <= set(verdict.broken), verdict
+    broken = {assertion for _, _, assertion in faults}
+    verdict = verify(BY_CHECKER[checker], tmp_path / "rtl", CHECKERS, tmp_path / "out", broken)
+    assert broken <= set(verdict.broken), verdict

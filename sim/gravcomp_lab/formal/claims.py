@@ -1,6 +1,6 @@
 """What is proven about the hardware, by which checker of tb/formal, for which generics."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from gravcomp.core.image import Record, image_records, record_words
 from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS, IMAGE_SECTIONS, IMAGE_WORD_BITS
 from gravcomp.network.weights import load_network
 from gravcomp.twin.safety import Cause, State
-from gravcomp_lab.formal.model_check import Verdict, induct, model_check, shortest_run
+from gravcomp_lab.formal.model_check import Verdict, induct, model_check, refute, shortest_run
 from gravcomp_lab.formal.sums import hidden_sums, output_sums
 from gravcomp_lab.shipped import SPHEIRO, shipped_machine
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
@@ -115,8 +115,11 @@ OF_THE_NETWORK = {
 }
 
 
-def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
-    """Prove or refute a claim about the VHDL of folder rtl; intermediate files go to a folder of its name in out."""
+def verify(claim: Claim, rtl: Path, checkers: Path, out: Path, broken: Collection[str] = ()) -> Verdict:
+    """Prove or refute a claim about the VHDL of folder rtl; intermediate files go to a folder of its name in out.
+
+    broken: assertions that are looked at alone, to be refuted, where the claim is not one of induction.
+    """
     folder, parameters = out / claim.name, dict(claim.parameters)
     if claim.checker in SUMS:
         return _verify_sums(claim, _design(claim.entity, claim.generics, rtl, folder), _network(checkers))
@@ -133,6 +136,8 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path) -> Verdict:
     checker, clocks = checkers / f"{claim.checker}.sv", parameters.get("INTERVAL", 1)
     if claim.induction:
         return induct(design, checker, folder, parameters, claim.induction, claim.cuts)
+    if broken:
+        return refute(design, checker, folder, parameters, broken, free_clocks=claim.free_clocks, cuts=claim.cuts)
     return model_check(design, checker, folder, parameters, clocks, free_clocks=claim.free_clocks, cuts=claim.cuts)
 
 

@@ -10,7 +10,7 @@ Source: N. Een, A. Mishchenko, R. Brayton, "Efficient implementation of property
 import json
 import re
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,6 +29,9 @@ _TO_GRAPH = (
 _ONE_CLOCK = "async2sync"
 # Clocks are inputs: a step of the graph may raise any of them, or none.
 _FREE_CLOCKS = "clk2fflogic"
+_ASSERTED = r"was (?:trivially )?asserted in frame +(\d+)"
+# Most runs that break an assertion are short; a search that unrolls finds them in less time than one that proves.
+_SHORT_RUN, _SHORT_RUN_S = 40, 30
 
 
 @dataclass(frozen=True)
@@ -111,9 +114,37 @@ def induct(
     for k, name in enumerate(names):
         # Each by itself: ABC dies of some graphs when it shall break several in one run.
         log = _abc(f"{read}; cone -O {k}; bmc3 -F {clocks + 11} -T 10", out / "bmc.log")
-        if found := re.search(r"was (?:trivially )?asserted in frame +(\d+)", log):
+        if found := re.search(_ASSERTED, log):
             broken[name] = int(found[1]) + 1
     return Verdict((), broken, tuple(name for name in names if name not in broken))
+
+
+def refute(
+    verilog: Path,
+    checker: Path,
+    out: Path,
+    parameters: Mapping[str, int | str],
+    assertions: Collection[str],
+    timeout_s: int = 300,
+    *,
+    free_clocks: bool = False,
+    cuts: Sequence[str] = (),
+) -> Verdict:
+    """Look for runs that break these assertions, each by itself, as of model_check; nothing is said about the others,
+    which a broken design may leave without a verdict for long.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    graph, broken = out / "graph.aig", {}
+    names = _write_graph(verilog, checker, dict(parameters), graph, free_clocks, cuts)
+    for k in (k for k, name in enumerate(names) if name in assertions):
+        read = f"read_aiger {graph}; fold; strash; cone -O {k}"
+        log = _abc(f"{read}; bmc3 -F {_SHORT_RUN} -T {_SHORT_RUN_S}", out / f"bmc-{k}.log")
+        if not (found := re.search(_ASSERTED, log)):
+            log = _abc(f"{read}; scorr; pdr -a -T {timeout_s}", out / f"pdr-{k}.log")
+            found = re.search(_ASSERTED, log)
+        if found:
+            broken[names[k]] = int(found[1]) + 1
+    return Verdict((), broken, tuple(name for name in names if name in assertions and name not in broken))
 
 
 def _broken(names: Sequence[str], log: str) -> dict[str, int]:
