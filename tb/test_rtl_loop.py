@@ -17,6 +17,7 @@ from codes import ROOT, fixed_compensation, fixed_network, pack, unpack
 from gravcomp.cli import main
 from gravcomp.core.compensation import load_compensation
 from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
+from gravcomp.diagnosis.fit import Fit
 from gravcomp.diagnosis.model import Model
 from gravcomp.errors import InputError
 from gravcomp.logs.csv_reader import read_measurement
@@ -73,6 +74,7 @@ def simulate_loop(folder: Path, run: str) -> None:
         generated=generated_folder(folder, run),
         environment={"WEIGHTS": str(weights_folder(folder, run)), "LOOP": str(folder), "RUN": run},
         extra_sources=(ROOT / "tb" / "hdl" / "gc_force_bench.vhd",),
+        tests=r"\.held_out_samples$",
     )
 
 
@@ -91,8 +93,9 @@ def found_in(data: Measurement, effects: Model, noise_n: np.ndarray) -> SimpleNa
         before=before,
         after=noise_n,
         left_out=np.zeros(before.shape, bool),
-        noise=SimpleNamespace(rms=float(noise_n.std()), source="known"),
-        fit=SimpleNamespace(effects=()),
+        noise=SimpleNamespace(rms=float(noise_n.std()), sigma=noise_n.std(axis=0), source="known", is_sure=True),
+        over_noise=1.0,
+        fit=Fit((), ()),
         verdict="explained",
         **{name: {} for name in ("shares", "untestable")},
         **{name: () for name in ("alternatives", "drivers", "notes")},
