@@ -12,11 +12,9 @@ from cocotb.triggers import FallingEdge, Timer
 
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.simulation.measured import hand_over
-from gravcomp.simulation.simulator import simulate
+from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import fixed_network, pack
 from gravcomp_lab.benches.stream import start
-from gravcomp_lab.shipped import ROOT
-from gravcomp_lab.synthesis.verilog import rtl_sources
 
 LAYERS = ("input_scaler", "hidden_lane", "activation", "output_layer", "output_scaler")
 
@@ -71,14 +69,7 @@ async def one_inference(dut):
 
 def budget_run(lanes: int, rtl: Path, build: Path, weights: Path) -> dict[str, int]:
     """Multiplications and sums of one inference of gc_core with so many lanes, in GHDL with rtl's ROM, from weights."""
-    measured = simulate(
-        "gc_core",
-        __name__,
-        sources=rtl_sources(rtl),
-        build_dir=build / f"budget-{lanes}",
-        python_path=ROOT / "sim",
-        generics={"lanes_g": lanes},
-        environment={"WEIGHTS": str(weights.absolute())},
-    )
+    environment = {"WEIGHTS": str(weights.absolute())}
+    measured = run_bench("gc_core", __name__, lanes, rtl, build / f"budget-{lanes}", environment)
     rows = measured["operations"]
     return {kind: sum(n for own, _, n in rows if own == kind) for kind in ("multiplications", "sums")}

@@ -10,11 +10,9 @@ import numpy as np
 
 from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.simulation.measured import hand_over
-from gravcomp.simulation.simulator import simulate
+from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import corners_and_random, fixed_network, pack, unpack
 from gravcomp_lab.benches.stream import start, stream
-from gravcomp_lab.shipped import ROOT
-from gravcomp_lab.synthesis.verilog import rtl_sources
 
 LANES = (1, 2, 4, 5, 10, 20)  # of 20 neurons
 OUTPUTS = ("out_force", "out_clamped", "out_saturated")
@@ -76,15 +74,8 @@ async def back_to_back(dut):
 
 def core_run(lanes: int, rtl: Path, build: Path, weights: Path) -> CoreRun:
     """The run of gc_core with so many lanes, simulated under GHDL with the ROM in rtl, made from weights."""
-    measured = simulate(
-        "gc_core",
-        __name__,
-        sources=rtl_sources(rtl),
-        build_dir=build / f"core-{lanes}",
-        python_path=ROOT / "sim",
-        generics={"lanes_g": lanes},
-        environment={"WEIGHTS": str(weights.absolute())},
-    )
+    environment = {"WEIGHTS": str(weights.absolute())}
+    measured = run_bench("gc_core", __name__, lanes, rtl, build / f"core-{lanes}", environment)
     return run_of(measured)
 
 

@@ -13,12 +13,11 @@ from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS
 from gravcomp.robot.machine import load_machine
 from gravcomp.simulation.measured import hand_over
-from gravcomp.simulation.simulator import simulate
+from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import pack, unpack, weights_under_test
 from gravcomp_lab.shipped import ROOT
 from gravcomp_lab.simulated.poses import motion, pose_sets
 from gravcomp_lab.simulated.run import Run
-from gravcomp_lab.synthesis.verilog import rtl_sources
 
 BENCH_SOURCES = tuple(ROOT / "tb" / "hdl" / f"{name}.vhd" for name in ("gc_encoder_model", "gc_force_path_bench"))
 CLOCKS_PER_EDGE = 4
@@ -159,14 +158,14 @@ def motion_run(rtl: Path, build: Path, weights: Path, vcd: Path, n_poses: int = 
 
 
 def _run(name: str, lanes: int, rtl: Path, build: Path, weights: Path, vcd: Path | None = None, **more: str) -> Run:
-    measured = simulate(
+    measured = run_bench(
         "gc_force_path_bench",
         __name__,
-        sources=[*rtl_sources(rtl), *BENCH_SOURCES],
-        build_dir=build / name,
-        python_path=ROOT / "sim",
-        generics={"lanes_g": lanes},
-        environment={"WEIGHTS": str(weights.absolute()), **more},
+        lanes,
+        rtl,
+        build / name,
+        {"WEIGHTS": str(weights.absolute()), **more},
+        BENCH_SOURCES,
         tests=f"{name}$",
         vcd=vcd and vcd.absolute(),
     )

@@ -11,12 +11,11 @@ from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.facts import Cause, State
 from gravcomp.simulation.measured import hand_over
-from gravcomp.simulation.simulator import simulate
 from gravcomp_lab.benches.axi import Registers
+from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.changes import until
 from gravcomp_lab.benches.codes import fixed_network, hash_under_test, pack, unpack
 from gravcomp_lab.shipped import ROOT
-from gravcomp_lab.synthesis.verilog import rtl_sources
 
 BENCH_SOURCES = tuple(ROOT / "tb" / "hdl" / f"{name}.vhd" for name in ("gc_encoder_model", "gc_system_bench"))
 N_AXES = 3
@@ -206,14 +205,14 @@ def path_of(measured: dict) -> EdgePath:
 
 def path_run(lanes: int, rtl: Path, build: Path, weights: Path) -> EdgePath:
     """The path through gc_system with so many lanes, simulated under GHDL with the ROM in rtl, made from weights."""
-    measured = simulate(
+    measured = run_bench(
         "gc_system_bench",
         __name__,
-        sources=[*rtl_sources(rtl), *BENCH_SOURCES],
-        build_dir=build / f"path-{lanes}",
-        python_path=ROOT / "sim",
-        generics={"lanes_g": lanes},
-        environment={"WEIGHTS": str(weights.absolute())},
+        lanes,
+        rtl,
+        build / f"path-{lanes}",
+        {"WEIGHTS": str(weights.absolute())},
+        BENCH_SOURCES,
         tests="path_latency$",
     )
     return path_of(measured)

@@ -17,13 +17,12 @@ from tqdm import tqdm
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS
 from gravcomp.prototype.body import TIME_STEP_S
 from gravcomp.simulation.measured import hand_over
-from gravcomp.simulation.simulator import simulate
+from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import pack, unpack
 from gravcomp_lab.benches.system import ALL_FAULTS, BENCH_SOURCES, N_AXES, System
 from gravcomp_lab.hil.plant import BrakedPrototype, Pid
 from gravcomp_lab.hil.runs import SETS, Fault, Log, Run
-from gravcomp_lab.shipped import ROOT, shipped_machine
-from gravcomp_lab.synthesis.verilog import rtl_sources
+from gravcomp_lab.shipped import shipped_machine
 
 RUNS = SETS[os.environ.get("RUNS", "short")]
 CLOCKS_PER_STEP = 150  # of a control period, which is a time step of the physics: the core at 150 kHz
@@ -166,13 +165,6 @@ def hil_run(runs: str, rtl: Path, build: Path) -> Sequence[tuple[Run, Log]]:
     """The runs of a set (gravcomp_lab.hil.runs.SETS) with one lane, simulated under GHDL with the ROM of the shipped
     machine.
     """
-    measured = simulate(
-        "gc_system_bench",
-        __name__,
-        sources=[*rtl_sources(rtl), *BENCH_SOURCES],
-        build_dir=build / f"hil-{runs}",
-        python_path=ROOT / "sim",
-        generics={"lanes_g": 1},
-        environment={"RUNS": runs, "PROGRESS": f"/proc/{os.getpid()}/fd/2"},  # its output goes to a log
-    )
+    environment = {"RUNS": runs, "PROGRESS": f"/proc/{os.getpid()}/fd/2"}  # its output goes to a log
+    measured = run_bench("gc_system_bench", __name__, 1, rtl, build / f"hil-{runs}", environment, BENCH_SOURCES)
     return [(run, Log(**{name: np.array(values) for name, values in measured[run.name].items()})) for run in SETS[runs]]

@@ -55,10 +55,18 @@ def _largest_first(d: Diagnosis) -> list[Entry]:
 
 def with_axes(entry: Entry, n_axes: int) -> str:
     """An effect and its axes, where it does not act on all of them."""
-    axes = sorted({name.axis + 1 for name in entry.parameters if getattr(name, "axis", None) is not None})
-    if not axes or (len(axes) == n_axes and n_axes > 1) or n_axes == 1:
-        return plain(entry.name)
-    return f"{plain(entry.name)} on {'axis' if len(axes) == 1 else 'axes'} {joined([str(axis) for axis in axes])}"
+    axes = _axes(entry)
+    is_on_all = not axes or len(axes) == n_axes
+    return plain(entry.name) if is_on_all else f"{plain(entry.name)} on {_listed(axes)}"
+
+
+def _axes(entry: Entry) -> list[int]:
+    """From 1, of the parameters that belong to one."""
+    return sorted({name.axis + 1 for name in entry.parameters if getattr(name, "axis", None) is not None})
+
+
+def _listed(axes: list[int]) -> str:
+    return f"{'axis' if len(axes) == 1 else 'axes'} {joined([str(axis) for axis in axes])}"
 
 
 def plain(name: str) -> str:
@@ -101,6 +109,5 @@ def _sureness(alternatives: list[list[str]]) -> str:
 
 
 def _sensor(entry: Entry) -> str:
-    axes = sorted({name.axis + 1 for name in entry.parameters if getattr(name, "axis", None) is not None})
-    where = f" of {'axis' if len(axes) == 1 else 'axes'} {joined([str(axis) for axis in axes])}" if axes else ""
-    return entry.term.candidate.sensor + where
+    axes = _axes(entry)
+    return entry.term.candidate.sensor + (f" of {_listed(axes)}" if axes else "")
