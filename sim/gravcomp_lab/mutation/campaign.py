@@ -20,7 +20,7 @@ from gravcomp_lab.mutation.trial import (
     run_tests,
     try_mutant,
 )
-from gravcomp_lab.mutation.verdicts import Verdicts
+from gravcomp_lab.mutation.verdicts import Verdicts, file_of
 from gravcomp_lab.synthesis.verilog import handwritten_sources
 
 TIMEOUT_S = 900.0
@@ -85,19 +85,17 @@ def run(
     on_outcome: Callable[[Outcome], None],
 ) -> list[Outcome]:
     """Try the mutants of each entity until its share compiled, but those whose verdict still holds; on_outcome sees
-    each one that compiled. Test files that caught faults of the entity before come first.
+    each one that compiled. Test files that caught faults of the entity, just now too, come first.
     """
-    tests = {
-        entity: _ordered(relevant_tests(entity, root / "rtl", root / "tb"), verdicts.killers(entity))
-        for entity in planned
-    }
+    tests = {entity: relevant_tests(entity, root / "rtl", root / "tb") for entity in planned}
     outcomes, every = [], []
     with ThreadPoolExecutor(jobs) as pool, tempfile.TemporaryDirectory(prefix="originals-") as folder:
         if to_try(planned, verdicts):
             equivalence.write_originals(root / "rtl", Path(folder))
 
         def outcome_of(mutant: Mutant, entity: str) -> Outcome:
-            return verdicts.known(mutant) or try_mutant(mutant, root, tests[entity], TIMEOUT_S, Path(folder))
+            first = _ordered(tests[entity], verdicts.killers(entity))
+            return verdicts.known(mutant) or try_mutant(mutant, root, first, TIMEOUT_S, Path(folder))
 
         def start(entity: str):
             return pool.submit(outcome_of, planned[entity][1].pop(0), entity), entity
@@ -117,8 +115,10 @@ def run(
     return outcomes
 
 
-def _ordered(files: list[str], first: list[str]) -> list[str]:
-    return [*(file for file in first if file in files), *(file for file in files if file not in first)]
+def _ordered(tests: list[str], first: list[str]) -> list[str]:
+    """Tests, those of the files that come first before the others."""
+    rank = {file: k for k, file in enumerate(first)}
+    return sorted(tests, key=lambda test: rank.get(file_of(test), len(rank)))
 
 
 def reasons(path: Path) -> dict[tuple[str, str, str], str]:

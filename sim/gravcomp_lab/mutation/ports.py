@@ -116,11 +116,15 @@ def try_port(port: Port, root: Path) -> Found:
                     return Found(port.entity, port.name, _BY_PROOF, f"{claim.checker}: {', '.join(sorted(broken))}")
         if not compiles(rtl, str(work)):
             raise InputError(f"{port.entity}.{port.name}: a fault at this port does not compile")
-        tests = [test for test in relevant_tests(port.entity, root / "rtl", root / "tb") if "formal" not in test]
+        tests = _simulations(port.entity, root)
         result, test = run_tests(root, rtl, Path(folder) / "build", tests, TIMEOUT_S)
         if result == CAUGHT:
             return Found(port.entity, port.name, _BY_TEST, test)
         return Found(port.entity, port.name, "", TIMEOUT if result == TIMEOUT else "")
+
+
+def _simulations(entity: str, root: Path) -> list[str]:
+    return [test for test in relevant_tests(entity, root / "rtl", root / "tb") if "formal" not in test]
 
 
 class Verdicts:
@@ -158,7 +162,7 @@ class Verdicts:
         elif found.tool == _BY_TEST:
             names = [found.by.partition("::")[0]]
         else:
-            names = [*relevant_tests(found.entity, rtl, tb), *sorted(f"formal/{p.name}" for p in tb.glob("formal/*"))]
+            names = [*_simulations(found.entity, self._root), *sorted(f"formal/{p.name}" for p in tb.glob("formal/*"))]
         files = [source_of(rtl, found.entity), *(tb / name for name in names)]
         digests = "".join(hashlib.sha256(file.read_bytes()).hexdigest() for file in files)
         return hashlib.sha256(digests.encode()).hexdigest()[:16]

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from gravcomp_lab.formal.claims import CLAIMS
 from gravcomp_lab.mutation import equivalence
 from gravcomp_lab.mutation.mutants import Mutant
 from gravcomp_lab.synthesis.verilog import handwritten_sources, rtl_sources, source_of
@@ -20,11 +21,11 @@ CAUGHT, TIMEOUT, SURVIVED, INVALID = "caught", "time-out", "survived", "does not
 EQUIVALENT = "equivalent"
 # For each of analysis and elaboration, which take a second or two: a loop in a function may have lost its end.
 COMPILE_TIMEOUT_S = 60.0
-# Proofs of the unchanged claims; the faults that these files plant themselves have nothing to do with a mutant.
-_PROOFS = ("test_rtl_formal_planted.py", "test_rtl_formal.py")
-# Netlists, figures and long runs of what other files test.
+# The faults that these files plant themselves have nothing to do with a mutant; netlists, figures and long runs of what
+# other files test.
 LEFT_OUT = (
-    *_PROOFS,
+    "test_rtl_formal.py",
+    "test_rtl_formal_planted.py",
     "test_rtl_formal_equivalence.py",
     "test_rtl_gates.py",
     "test_rtl_hil.py",
@@ -45,18 +46,26 @@ class Outcome:
 
 
 def relevant_tests(entity: str, rtl: Path, tb: Path) -> list[str]:
-    """Test files in which the entity runs: its own, then those of what instantiates it, and so on, last the proofs."""
+    """Tests in which the entity runs: its own file, the claims about it, files of what instantiates it, and so on, last
+    the claims about all that holds it.
+    """
     texts = {user: path.read_text() for user, path in handwritten_sources(rtl).items()}
     test_texts = {p.name: p.read_text() for p in sorted(tb.glob("test_rtl_*.py")) if p.name not in LEFT_OUT}
     own = f"test_rtl_{entity.removeprefix('gc_')}.py"
-    order, seen, level = [own] if own in test_texts else [], {entity}, [entity]
+    order, seen, level = [own] if own in test_texts else [], [entity], [entity]
+    order += _claims_about(entity)
     while level:
         for name in level:
             order += [file for file, text in test_texts.items() if re.search(rf'"{name}(_bench)?"', text)]
         users = {user for user, text in texts.items() for name in level if re.search(rf"\bwork\.{name}\b", text)}
-        level = sorted(users - seen)
-        seen |= users
-    return [*dict.fromkeys(order), *_PROOFS]
+        level = sorted(users.difference(seen))
+        seen += level
+    return list(dict.fromkeys([*order, *(test for user in seen for test in _claims_about(user))]))
+
+
+def _claims_about(entity: str) -> list[str]:
+    """The tests that prove the claims about an entity."""
+    return [f"test_rtl_formal.py::test_claim_is_proven[{c.name}]" for c in CLAIMS if c.entity == entity]
 
 
 def try_mutant(

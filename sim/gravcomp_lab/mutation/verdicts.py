@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from gravcomp.files import write_atomically
+from gravcomp_lab.formal.claims import CLAIMS
 from gravcomp_lab.mutation.mutants import Mutant
 from gravcomp_lab.mutation.trial import CAUGHT, Outcome, relevant_tests
 from gravcomp_lab.synthesis.verilog import source_of
@@ -37,34 +38,36 @@ class Verdicts:
         took: dict[str, list[float]] = {}
         for line in self._kept.values():
             if line["entity"] == entity and line["result"] == CAUGHT:
-                took.setdefault(_file(line["test"]), []).append(float(line["seconds"]))
+                took.setdefault(file_of(line["test"]), []).append(float(line["seconds"]))
         return sorted(took, key=lambda file: (-len(took[file]), sum(took[file])))
 
     def keep(self, outcomes: Iterable[Outcome]) -> None:
         """Write the table with these verdicts, and no others of their entities."""
         outcomes = list(outcomes)
         entities = {outcome.mutant.entity for outcome in outcomes}
-        lines = [line for line in self._kept.values() if line["entity"] not in entities]
+        self._kept = {name: line for name, line in self._kept.items() if line["entity"] not in entities}
         for outcome in outcomes:
             m = outcome.mutant
             values = m.entity, m.line, m.kind, m.good, m.bad, outcome.result, outcome.test, outcome.seconds
-            lines.append(dict(zip(_COLUMNS, (*map(str, values), self._key(outcome)), strict=True)))
+            line = dict(zip(_COLUMNS, (*map(str, values), self._key(outcome)), strict=True))
+            self._kept[self._name(line)] = line
         text = io.StringIO()
         writer = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
         writer.writeheader()
-        writer.writerows(sorted(lines, key=lambda line: (line["entity"], int(line["line"]), line["bad"])))
+        writer.writerows(sorted(self._kept.values(), key=lambda line: (line["entity"], int(line["line"]), line["bad"])))
         write_atomically(self._path, text.getvalue())
 
     def _key(self, outcome: Outcome) -> str:
         root, entity = self._root, outcome.mutant.entity
-        tests = [_file(outcome.test)] if outcome.result == CAUGHT else relevant_tests(entity, root / "rtl", root / "tb")
-        files = [source_of(root / "rtl", entity), *(root / "tb" / test for test in tests)]
+        tests = [outcome.test] if outcome.result == CAUGHT else relevant_tests(entity, root / "rtl", root / "tb")
+        files = [source_of(root / "rtl", entity), *dict.fromkeys(root / "tb" / file_of(test) for test in tests)]
+        files += [root / "tb" / "formal" / f"{c.checker}.sv" for c in CLAIMS for test in tests if f"[{c.name}]" in test]
         files += [Path(__file__).with_name(name) for name in _TOOL]
         return hashlib.sha256("".join(self._digest(file) for file in files).encode()).hexdigest()[:16]
 
     def _digest(self, file: Path) -> str:
         if file not in self._digests:
-            self._digests[file] = hashlib.sha256(file.read_bytes() if file.is_file() else b"").hexdigest()
+            self._digests[file] = hashlib.sha256(file.read_bytes() if file.isfile_of() else b"").hexdigest()
         return self._digests[file]
 
     @staticmethod
@@ -72,5 +75,6 @@ class Verdicts:
         return line["entity"], line["line"], line["good"], line["bad"]
 
 
-def _file(test: str) -> str:
+def file_of(test: str) -> str:
+    """The file of a test."""
     return test.partition("::")[0]
