@@ -67,7 +67,7 @@ class Verdicts:
 
     def _digest(self, file: Path) -> str:
         if file not in self._digests:
-            self._digests[file] = hashlib.sha256(file.read_bytes() if file.isfile_of() else b"").hexdigest()
+            self._digests[file] = hashlib.sha256(file.read_bytes() if file.is_file() else b"").hexdigest()
         return self._digests[file]
 
     @staticmethod
