@@ -66,9 +66,15 @@ def test_diagnosis_names_nothing_in_noise(tmp_path):
     assert found["before"] == found["after"]
 
 
-def test_diagnosis_gives_an_unlisted_effect_its_driver_and_no_name(tmp_path):
-    def stop(q, v):  # a soft one differs from a cable that stiffens by less than the noise
-        return -np.stack([1000.0 * np.maximum(q[:, 0] - 0.03, 0.0), 0 * q[:, 1], 0 * q[:, 2]], axis=1)
+STOPS = [(60.0, 0.03), (30.0, 0.0), (60.0, 0.05), (120.0, 0.0), (1000.0, 0.05)]
+
+
+@pytest.mark.parametrize(("stiffness", "corner"), STOPS)
+def test_diagnosis_gives_an_unlisted_effect_its_driver_and_no_name(tmp_path, stiffness, corner):
+    """A stop, N/m and m; the soft ones are to within the noise a polynomial of fourth order, as a cable is."""
+
+    def stop(q, v):
+        return -np.stack([stiffness * np.maximum(q[:, 0] - corner, 0.0), 0 * q[:, 1], 0 * q[:, 2]], axis=1)
 
     _, found = run(tmp_path, holds(stop))
     assert found["effects"] == []

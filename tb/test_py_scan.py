@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from gravcomp.diagnosis.search.hinge import SIDES, corner_in
 from gravcomp.diagnosis.search.periodogram import find_lines, pitch_of, step_in
 
 SPAN_M = 0.16
@@ -97,3 +98,17 @@ def test_orders_of_a_full_turn_are_counted_per_turn():
 
 def test_no_lines_have_no_pitch():
     assert pitch_of([], SPAN_M, None) is None
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("power", [1.0, 2.0])
+def test_corner_is_found_where_a_stop_begins(side, power):
+    q, noise = scattered(9)
+    x = q[:, 0] / SPAN_M  # -0.5..0.5
+    force = 40.0 * np.maximum(side * (x - 0.1), 0.0) ** power + 3.0 + 0.5 * noise[:, 0]
+    assert corner_in(x, force, side, power) == pytest.approx(0.1, abs=0.03)
+
+
+def test_corner_needs_room_on_both_sides():
+    assert corner_in(np.zeros(100), np.ones(100), 1.0, 1.0) is None
+    assert corner_in(np.arange(10.0), np.ones(10), 1.0, 1.0) is None

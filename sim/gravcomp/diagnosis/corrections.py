@@ -11,11 +11,13 @@ import numpy as np
 from sklearn.preprocessing import PolynomialFeatures
 
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Variable, on_axis, variables
+from gravcomp.diagnosis.search.hinge import SIDES, corner_in
 from gravcomp.diagnosis.search.periodogram import find_lines, step_in
-from gravcomp.diagnosis.thresholds import EMPIRICAL_PRICE, SCAN_PRICE
+from gravcomp.diagnosis.thresholds import CORNER_PRICE, EMPIRICAL_PRICE, SCAN_PRICE
 from gravcomp.logs.measurement import Measurement
 
 _SURFACE_DEGREE = 3
+_HINGE_POWERS = (1.0, 2.0)  # a spring behind the corner, and one that stiffens
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,10 @@ class Correction(Candidate):
     def is_of_position(self) -> bool:
         """Does it depend on positions (or model forces, which follow from them) alone?"""
         return all(variable.kind in ("q", "f") for variable in self.variables) and not self.by_direction
+
+    @property
+    def is_of_own_position(self) -> bool:
+        return self.variables == (Variable("q", self.axis),)
 
     n_variables = 1
 
@@ -144,6 +150,21 @@ class Step(Correction):
         return np.column_stack([late, np.ones(len(late))]).astype(float)
 
 
+class Hinge(Correction):
+    """Nothing up to a corner, a power of the way beyond it: ``shape`` is the corner, the side (1 or -1), the power."""
+
+    kind = "hinge"
+    price = EMPIRICAL_PRICE + CORNER_PRICE
+
+    def n_values(self):
+        is_hinge = len(self.shape) == 3 and self.shape[1] in SIDES and self.shape[2] in _HINGE_POWERS
+        return int(is_hinge)
+
+    def regressors(self, data, rows=slice(None)):
+        corner, side, power = self.shape
+        return (np.maximum(side * (self.variables[0].of(data)[rows] - corner), 0.0) ** power)[:, None]
+
+
 class Surface(Correction):
     """Polynomial of all positions; ``shape`` holds centres, then half ranges."""
 
@@ -161,7 +182,7 @@ class Surface(Correction):
         return PolynomialFeatures(_SURFACE_DEGREE).fit_transform((data.q[rows] - centre) / half)
 
 
-KINDS = {kind.kind: kind for kind in (Table, Line, Product, Wave, Step, Surface)}
+KINDS = {kind.kind: kind for kind in (Table, Line, Product, Wave, Step, Hinge, Surface)}
 
 
 def candidates(data: Measurement) -> list[Correction]:
@@ -203,6 +224,19 @@ def scanned(data: Measurement, rows: np.ndarray, step: np.ndarray, wave: np.ndar
         out.append(Step(axis, time, (step_in(data.t_s[rows], step[:, axis]),)))
         lines = find_lines(data.t_s[rows], wave[:, [axis]], 2)
         out += [Wave(axis, time, (frequency,)) for frequency, _ in lines]
+    return out
+
+
+def hinges(data: Measurement, rows: np.ndarray, of_position: np.ndarray) -> list[Correction]:
+    """Hinges over its own position that a scan of what each axis has of it (rows, k) proposes: stops, slack ropes."""
+    out = []
+    for axis in range(data.n_axes):
+        x = data.q[rows, axis]
+        for side in SIDES:
+            for power in _HINGE_POWERS:
+                corner = corner_in(x, of_position[:, axis], side, power)
+                if corner is not None:
+                    out.append(Hinge(axis, (Variable("q", axis),), (corner, side, power)))
     return out
 
 

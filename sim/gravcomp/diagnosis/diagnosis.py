@@ -266,7 +266,7 @@ def _search(data: Measurement, before: np.ndarray, rows: np.ndarray, known, tick
     effects = [entry for entry in _effects(data, rows) if entry.has_part]
     plain = _without_named(corrections.candidates(data), effects, data, rows)
     independent = np.maximum(sure.sum(axis=0), 2.0)
-    unexplained, ripples, refined = measured, [measured], []
+    unexplained, of_position, ripples, refined = measured, measured, [measured], []
     for turn in range(ROUNDS):
         tick(f"search {turn + 1}")
         hidden = _hidden(data, unexplained)
@@ -277,9 +277,10 @@ def _search(data: Measurement, before: np.ndarray, rows: np.ndarray, known, tick
         variance = (weight * size**2).sum(axis=0) / np.maximum(weight.sum(axis=0), TINY)
         variance = np.maximum(variance, scale**2 * 1e-6)
         scaled = [ripple * ~is_gross / np.maximum((ripple * ~is_gross).std(axis=0), TINY) for ripple in ripples]
-        in_time = corrections.scanned(data, rows, unexplained * ~is_gross, scaled[0])
+        scanned = corrections.scanned(data, rows, unexplained * ~is_gross, scaled[0])
+        scanned += corrections.hinges(data, rows, of_position * ~is_gross)
         named = effects + refined + _scanned_effects(data, rows, scaled)
-        entries = named + plain + [Regressor.of(correction, data, rows) for correction in in_time]
+        entries = named + plain + [Regressor.of(correction, data, rows) for correction in scanned]
         gram = Gram(entries, residual, weight, variance, independent)
         criterion = Criterion([entry.term for entry in entries], gram, len(named), known)
         choice = choose(criterion)
@@ -291,6 +292,8 @@ def _search(data: Measurement, before: np.ndarray, rows: np.ndarray, known, tick
         smooth = sum((fitted[k] for k in criterion.effects_of(choice.members) if not is_scanned[k]), nothing)
         # beside the corrections, and without them: tables may have swallowed a ripple
         ripples = [unexplained + ripple, residual - smooth]
+        is_of_position = {k: criterion.terms[k].candidate.is_of_own_position for k in fitted}
+        of_position = unexplained + sum((force for k, force in fitted.items() if is_of_position[k]), nothing)
         if turn < ROUNDS - 1:
             refined = _refined(data, before, rows, [criterion.terms[k] for k in criterion.effects_of(choice.members)],
                                np.sqrt(variance))  # fmt: skip

@@ -10,6 +10,7 @@ MAD_TO_SIGMA = 1.4826  # median absolute deviation of a Gaussian, 1/0.6745
 # Price of a term in the criterion, as 2 log of the number of terms that compete
 PHYSICAL_PRICE = 8.0  # some 50 terms of effects
 EMPIRICAL_PRICE = 20.0  # some hundred corrections per axis, and physics first where both fit; tuned
+CORNER_PRICE = 8.0  # 2 log of the sixty corners scanned
 SCAN_PRICE = 14.0  # 2 log of the thousand frequencies scanned
 
 # Sets of terms

@@ -28,6 +28,10 @@ class Effect(Candidate):
     complexity = 0.0  # added to the criterion: of two equal explanations the usual one is named
 
     @property
+    def is_of_own_position(self) -> bool:
+        return self.per_axis and self.driver == "q"
+
+    @property
     def price(self) -> float:
         return PHYSICAL_PRICE + self.complexity + (SCAN_PRICE if self.is_scanned else 0.0)
 
