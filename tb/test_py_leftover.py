@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gravcomp.diagnosis.candidate import Parameter, Term, Variable
-from gravcomp.diagnosis.corrections import Table
+from gravcomp.diagnosis.corrections import Line, Table
 from gravcomp.diagnosis.effects.coulomb_friction import CoulombFriction
 from gravcomp.diagnosis.effects.thermal_drift import ThermalDrift
 from gravcomp.diagnosis.fit import Entry, Fit
@@ -66,30 +66,44 @@ def entry_of(candidate, parameters):
     return Entry(Term(candidate, tuple(named)), named, {}, 0.0)
 
 
-def drivers_of(effects, corrections, left, before):
+def drivers_of(effects, corrections, left, after):
+    """Of a fit that is right: what was before is its forces and what is left, (n, k); the first 150 rows held out."""
     fit = Fit(tuple(effects), tuple(corrections))
-    shares = {entry.name: 0.4 for entry in fit.entries}
-    return drivers(HOLDS, np.arange(600) < 150, before, 0.5 * before, fit, shares, left)
+    use = np.broadcast_to((np.arange(600) < 150)[:, None], HOLDS.shape)
+    return drivers(HOLDS, use, fit.predict(HOLDS) + after, after, fit, left)
 
 
 def test_drivers_are_unexplained_structure_first_then_what_effects_follow():
     friction = entry_of(CoulombFriction(), {"fc_2": 0.5})
     table = Table(2, (Variable("q", 0),), (-0.08, 0.0, 0.08))
     bowl = entry_of(table, {"value_0": 1.0, "value_1": 0.0, "value_2": 1.0})
-    before = np.ones(HOLDS.shape)
-    found = drivers_of([friction], [bowl], [{"axis": 1, "variable": "t", "share": 0.2}], before)
+    after = np.zeros(HOLDS.shape)
+    after[:, 0] = 0.4  # the axis that neither has a part in
+    found = drivers_of([friction], [bowl], [{"axis": 1, "variable": "t", "share": 0.2}], after)
     assert [(item["axis"], item["variable"]) for item in found] == [(3, "q1"), (1, "t"), (2, "dir2")]
-    # shares of the square sum before: 0.4 as given, 0.2 of the quarter that is left, 0.5^2 of one axis in three
-    assert [item["share"] for item in found] == pytest.approx([0.4, 0.05, 0.25 / 3])
+    energy = np.array([np.sum(bowl.force(HOLDS)[:150] ** 2), 0.2 * 150 * 0.16, 150 * 0.25])
+    whole = energy[0] + 150 * 0.16 + energy[2]
+    assert [item["share"] for item in found] == pytest.approx(energy / whole)
+
+
+def test_drivers_of_two_corrections_that_take_from_one_another_are_what_each_brings():
+    """2 sign v less 1 sign v: what is there is explained to twice and to minus once its size."""
+    twice, back = (
+        entry_of(CoulombFriction(), {"fc_2": 2.0}),
+        entry_of(Line(1, (Variable("dir", 1),)), {"value_0": -1.0}),
+    )
+    found = drivers_of([twice], [back], [], np.zeros(HOLDS.shape))
+    assert {item["of"]: item["share"] for item in found} == pytest.approx({"": -1.0, "coulomb_friction": 2.0})
 
 
 def test_drivers_of_drift_is_the_temperature_where_it_is_measured():
     drift = entry_of(ThermalDrift(), {"gain_1": 1e-3, "t0_1": 30.0})
-    assert [(item["axis"], item["variable"]) for item in drivers_of([drift], [], [], np.ones(HOLDS.shape))] == [
+    assert [(item["axis"], item["variable"]) for item in drivers_of([drift], [], [], 0.1 * np.ones(HOLDS.shape))] == [
         (1, "temp")
     ]
 
 
 def test_drivers_too_small_to_matter_are_not_told():
-    friction = entry_of(CoulombFriction(), {"fc_2": 0.05})
-    assert drivers_of([friction], [], [], np.ones(HOLDS.shape)) == []
+    friction, after = entry_of(CoulombFriction(), {"fc_2": 0.05}), np.zeros(HOLDS.shape)
+    after[:, 0] = 1.0  # of which it explains nothing
+    assert drivers_of([friction], [], [], after) == []

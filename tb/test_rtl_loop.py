@@ -19,6 +19,7 @@ from gravcomp.core.compensation import load_compensation
 from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.diagnosis.model import Model
+from gravcomp.diagnosis.shares import Shares
 from gravcomp.errors import InputError
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
@@ -97,7 +98,8 @@ def found_in(data: Measurement, effects: Model, noise_n: np.ndarray) -> SimpleNa
         over_noise=1.0,
         fit=Fit((), ()),
         verdict="explained",
-        **{name: {} for name in ("shares", "untestable")},
+        shares=Shares({}, 0.0, 1.0),
+        untestable={},
         **{name: () for name in ("alternatives", "drivers", "notes")},
         noise_floor=float(noise_n.std()),
     )

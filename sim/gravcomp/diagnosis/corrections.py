@@ -76,6 +76,9 @@ class Correction(Candidate):
     def predict(self, data, parameters):
         return on_axis(data, self.axis, self.regressors(data) @ np.array(list(parameters.values())))
 
+    def jacobian(self, data, parameters):
+        return self.columns(data)
+
     def follows(self, data, parameters, force):
         """The variable that its force varies with most first."""
         own = sorted(self.variables, key=lambda variable: -_explained(variable.of(data), force[:, self.axis]))

@@ -23,6 +23,7 @@ from gravcomp.diagnosis.search.criterion import Criterion
 from gravcomp.diagnosis.search.gram import Gram
 from gravcomp.diagnosis.search.rules import Choice, alternatives, certain, choose
 from gravcomp.diagnosis.search.withdrawal import confirmed
+from gravcomp.diagnosis.shares import Shares, shares
 from gravcomp.diagnosis.thresholds import (
     AS_MUCH,
     CLEARLY_LESS,
@@ -56,7 +57,7 @@ class Diagnosis:
     verdict: str
     alternatives: list[list[str]]
     drivers: list[dict]
-    shares: dict[str, float]
+    shares: Shares
     noise_floor: float
     noise: Noise
     over_noise: float
@@ -91,8 +92,9 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
     tick("report")
     noise = model_free(data, after, use)
     counted = is_test[:, None] & ~left_out
-    share = verdict.shares(data, fit, counted, written, after)
-    share |= _shares_of_sensors(of_sensors, counted, written, before)
+    in_fit = use & ~is_test[:, None]
+    share = shares(data, fit, in_fit / np.maximum(found.noise, TINY), counted, written, after)
+    share.unique.update(_shares_of_sensors(of_sensors, counted, written, before))
     whole = Fit((*of_sensors, *fit.effects), fit.corrections)
     over_noise = verdict.remainder(after, ~left_out & ~data.is_reversing, is_test, noise)
     notes, is_hidden = _words(data, after, fit)
@@ -105,7 +107,7 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
         fit=whole,
         verdict=verdict.verdict(whole, share, left, np.inf if is_hidden else over_noise),
         alternatives=alternatives(found.criterion, found.choice) + _identities(fit),
-        drivers=leftover.drivers(data, is_test, written, after, fit, share, left),
+        drivers=leftover.drivers(data, counted, written, after, fit, left),
         shares=share,
         noise_floor=_noise_floor(after[train], use[train], fit),
         noise=noise,
@@ -197,7 +199,7 @@ def _as_right_sensors_write(data: Measurement) -> list[tuple[Measurement, list[E
 def _shares_of_sensors(entries: list[Entry], use: np.ndarray, written: np.ndarray, before: np.ndarray) -> dict:
     total = max(np.sum(written[use] ** 2), TINY)
     share = float(np.clip(1.0 - np.sum(before[use] ** 2) / total, 0.0, 1.0))
-    return {entry.name: share for entry in entries}
+    return {entry.name: share / len(entries) for entry in entries}
 
 
 def _words(data: Measurement, after: np.ndarray, fit: Fit) -> tuple[list[str], bool]:

@@ -7,6 +7,7 @@ from sklearn.model_selection import GroupKFold
 
 from gravcomp.diagnosis.candidate import variables
 from gravcomp.diagnosis.fit import Fit
+from gravcomp.diagnosis.shares import along
 from gravcomp.diagnosis.thresholds import LEFT_R2, LEFT_SAMPLES, LEFT_SAMPLES_USED, LEFT_SHARE, TINY
 
 _FOLDS = 4
@@ -41,29 +42,29 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     return out
 
 
-def drivers(data, is_test, before, after, fit: Fit, shares, left) -> list[dict]:
-    """For the report: what stays unexplained first, then what each effect follows; shares of the variance before.
+def drivers(data, use, before, after, fit: Fit, left) -> list[dict]:
+    """For the report: what stays unexplained first, then what each effect follows; parts of the square sum before.
 
-    is_test (n,); before, after (n, k) residuals; shares by the name of an entry; left as ``find`` gives it. "of" is the
-    effect that a row belongs to, "" where it has no name; no row stands there twice.
+    use (n, k): held-out samples; before, after (n, k) residuals; left as ``find`` gives it. Parts are those of
+    ``shares.along``: of terms that overlap each has what it brings beside the others. "of" is the effect that a row
+    belongs to, "" where it has no name; no row stands there twice.
     """
-    total = max(np.sum(before[is_test] ** 2), TINY)
+    total = max(np.sum(before[use] ** 2), TINY)
+    parts = {id(entry): along(data, entry, use, before) / total for entry in fit.entries}
     out = []
-    for entry in sorted(fit.corrections, key=lambda e: -shares[e.name]):
-        follows = entry.term.candidate.follows(data, entry.parameters, entry.force(data))
-        out += [_item(axis, variable, shares[entry.name]) for axis, variable in follows]
-    out += [{**item, "share": item["share"] * np.sum(after[is_test] ** 2) / total, "of": ""} for item in left]
+    for entry in fit.corrections:
+        for axis, variable in entry.term.candidate.follows(data, entry.parameters, entry.force(data)):
+            out.append(_item(axis, variable, parts[id(entry)][axis]))
+    out.sort(key=lambda item: -item["share"])
+    out += [{**item, "share": item["share"] * np.sum(after[use] ** 2) / total, "of": ""} for item in left]
     for entry in fit.effects:
-        force = entry.force(data)
-        out += [
-            _item(axis, variable, min(float(np.sum(force[is_test, axis] ** 2) / total), 1.0), entry.name)
-            for axis, variable in entry.term.candidate.follows(data, entry.parameters, force)
-        ]
+        for axis, variable in entry.term.candidate.follows(data, entry.parameters, entry.force(data)):
+            out.append(_item(axis, variable, parts[id(entry)][axis], entry.name))
     once: dict[tuple, dict] = {}
     for item in out:
         once.setdefault((item["of"], item["axis"], item["variable"]), item)
-    return [item for item in once.values() if item["share"] >= LEFT_SHARE]
+    return [item for item in once.values() if abs(item["share"]) >= LEFT_SHARE]
 
 
 def _item(axis: int, variable: str, share: float, of: str = "") -> dict:
-    return {"axis": axis + 1, "variable": variable, "share": share, "of": of}
+    return {"axis": axis + 1, "variable": variable, "share": float(share), "of": of}

@@ -4,15 +4,8 @@ import numpy as np
 
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.diagnosis.samples.noise import Noise
+from gravcomp.diagnosis.shares import Shares
 from gravcomp.diagnosis.thresholds import MINOR_SHARE, REMAINDER, TINY
-from gravcomp.logs.measurement import Measurement
-
-
-def shares(data: Measurement, fit: Fit, use: np.ndarray, before: np.ndarray, after: np.ndarray) -> dict[str, float]:
-    """Part of the variance before on the samples to use (n, k) that goes with each entry of the fit, by its name."""
-    total, left = max(np.sum(before[use] ** 2), TINY), np.sum(after[use] ** 2)
-    without = {entry.name: np.sum((after + entry.force(data))[use] ** 2) for entry in fit.entries}
-    return {name: float(np.clip((energy - left) / total, 0.0, 1.0)) for name, energy in without.items()}
 
 
 def remainder(after: np.ndarray, use: np.ndarray, is_test: np.ndarray, noise: Noise) -> float:
@@ -30,16 +23,15 @@ def remainder(after: np.ndarray, use: np.ndarray, is_test: np.ndarray, noise: No
     return float(max(ratios))
 
 
-def verdict(fit: Fit, share: dict[str, float], left: list[dict], over_noise: float) -> str:
+def verdict(fit: Fit, share: Shares, left: list[dict], over_noise: float) -> str:
     """nothing_missing, explained, partly_explained or unexplained.
 
-    left: structure that is in the remainder; over_noise: the remainder over the noise that no model made.
+    left: structure that is in the remainder; over_noise: the remainder over the noise that no model made. Corrections
+    count by what they explain beside the effects.
     """
-    known = sum(share[entry.name] for entry in fit.effects)
-    other = sum(share[entry.name] for entry in fit.corrections)
     is_more = bool(left) or over_noise > REMAINDER
     if not fit.effects:
         return "unexplained" if fit.corrections or is_more else "nothing_missing"
-    if is_more or other > MINOR_SHARE * (known + other):
+    if is_more or share.of_corrections > MINOR_SHARE * (1.0 - share.left):
         return "partly_explained"
     return "explained"

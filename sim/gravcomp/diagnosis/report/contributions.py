@@ -3,7 +3,7 @@
     r = sum over entries of F_e + what is left,   part_e = <F_e, r> / <r, r>
 
 (Pratt, 1987). Of terms that overlap each has what it brings beside the others; a negative part is a term that takes
-back what another gives too much. ``Diagnosis.shares`` is another question: what comes back when the entry is taken out.
+back what another gives too much. ``Diagnosis.shares`` is another question: what no other entry can take over.
 """
 
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gravcomp.diagnosis.diagnosis import Diagnosis
+from gravcomp.diagnosis.shares import along
 from gravcomp.diagnosis.thresholds import TINY
 
 LEFT = "left"  # kind of what no entry explains
@@ -35,9 +36,8 @@ def contributions(d: Diagnosis) -> list[Contribution]:
     explained = r - left
     for kind, entries in (("effect", d.fit.effects), ("correction", d.fit.corrections)):
         for entry in entries:
-            force = np.where(use, entry.force(d.data), 0.0)
-            found[entry.name, kind] = found.get((entry.name, kind), 0.0) + (force * r).sum(axis=0)
-            explained = explained - force
+            found[entry.name, kind] = found.get((entry.name, kind), 0.0) + along(d.data, entry, use, d.before)
+            explained = explained - np.where(use, entry.force(d.data), 0.0)
     of_sensors = [entry.name for entry in d.fit.effects if not entry.force(d.data).any()]
     for name in of_sensors:  # their log is corrected before anything is fitted; together they are what no force is
         found[name, "effect"] = (explained * r).sum(axis=0) / len(of_sensors)

@@ -12,6 +12,7 @@ from gravcomp.diagnosis.report.summary import found_sentence, next_sentence
 from gravcomp.logs.measurement import Measurement
 
 _WORST = 5
+_JOINT = 0.005  # of the variance: less is not worth a line
 _APART = 0.05  # of the range: nearer poses are one place
 
 
@@ -44,6 +45,7 @@ def report(d: Diagnosis) -> dict:
         "verdict": d.verdict,
         "effects": [_effect(d, entry) for entry in d.fit.effects],
         "alternatives": alternatives,
+        "joint_share": d.shares.joint,
         "drivers": d.drivers,
         "contributions": [
             {"name": own.name, "kind": own.kind, "by_axis": own.by_axis.tolist(), "whole": own.whole}
@@ -91,7 +93,9 @@ def text(content: dict, seed: int) -> str:
     for effect in content["effects"]:
         own = dict.fromkeys(item["variable"] for item in content["drivers"] if item["of"] == effect["name"])
         follows = f", follows {', '.join(own)}" if own else ""
-        lines.append(f"  {effect['name']}: {100 * effect['share']:.1f} % of the residual's variance{follows}")
+        lines.append(f"  {effect['name']}: {100 * effect['share']:.1f} % of the residual's variance alone{follows}")
+    if abs(content["joint_share"]) >= _JOINT:
+        lines.append(f"  {100 * content['joint_share']:.1f} % that several explain, each in the place of another")
     for item in content["drivers"]:
         if not item["of"]:
             lines.append(f"  axis {item['axis']} follows {item['variable']} ({100 * item['share']:.1f} %), no name")
@@ -166,7 +170,7 @@ def _effect(d: Diagnosis, entry: Entry) -> dict:
         "units": {name: unit_of(entry, name, d.data) for name in entry.parameters},
         "ci95": {name: list(interval) for name, interval in entry.intervals.items()},
         "p_value": entry.p_value,
-        "share": d.shares[entry.name],
+        "share": d.shares.unique[entry.name],
         "hardware": entry.term.candidate.hardware,
     }
 

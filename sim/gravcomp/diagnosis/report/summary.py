@@ -4,7 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.fit import Entry
-from gravcomp.diagnosis.report.contributions import counted
+from gravcomp.diagnosis.report.contributions import contributions, counted
 
 _PLAN = "gravcomp plan"
 
@@ -50,7 +50,8 @@ def next_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
 
 
 def _largest_first(d: Diagnosis) -> list[Entry]:
-    return sorted(d.fit.effects, key=lambda entry: -d.shares[entry.name])
+    size = {own.name: own.whole for own in contributions(d) if own.kind == "effect"}
+    return sorted(d.fit.effects, key=lambda entry: -size[entry.name])
 
 
 def with_axes(entry: Entry, n_axes: int) -> str:
