@@ -98,8 +98,7 @@ docs-site: setup ## docs/ as a site in build/site; a broken link is an error
 loop: setup ## close the loop with measured data: DATA=log.csv, WEIGHTS=weights/mine, SAVE=weights/next; error before and after
 	@$(RUN)/gravcomp loop "$(DATA)" --weights "$(WEIGHTS)" --out build/loop \
 	   $(if $(SAVE),--save "$(SAVE)")
-	@LOOP=build/loop $(PYTEST) -v tb/test_rtl_loop.py -k held_out
-	@$(RUN)/gravcomp loop-report --loop build/loop
+	@$(LAB) loop-rtl --loop build/loop
 
 blind: setup ## tally of the diagnosis on data sets drawn by seed; docs/measured/blind.md
 	@$(LAB) blind --jobs 2 --docs docs/measured

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from gravcomp.simulation import simulator
+from gravcomp_lab.synthesis import verilog as synthesis
 
 ROOT = Path(__file__).resolve().parents[1]
 # Elsewhere where a mutant of the VHDL is tried.
@@ -17,8 +18,7 @@ BENCHES = ROOT / "tb" / "hdl"
 
 def rtl_sources(generated: Path = GENERATED) -> list[Path]:
     """The files of rtl/sources.f in compile order; generated/ may be replaced by another network's."""
-    names = (RTL / "sources.f").read_text().split()
-    return [generated / Path(name).name if name.startswith("generated/") else RTL / name for name in names]
+    return synthesis.rtl_sources(RTL, generated)
 
 
 def simulate(
@@ -45,7 +45,6 @@ def simulate(
         test_module,
         sources=verilog or [*rtl_sources(generated), *extra_sources],
         build_dir=BUILD / "tb" / re.sub(r"[^\w.-]", "_", name),
-        python_path=ROOT / "tb",
         generics=generics,
         environment=environment,
         is_verilog=bool(verilog),

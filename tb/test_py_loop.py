@@ -7,10 +7,11 @@ import json
 import numpy as np
 import pytest
 
+import gravcomp_lab.__main__ as lab
 from codes import ROOT
 from gravcomp.cli import main
 from gravcomp.core.compensation import load_compensation
-from gravcomp.loop.loop import SAMPLES
+from gravcomp.loop.loop import RUNS, SAMPLES
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from machines import changed, machine_folder
@@ -83,7 +84,20 @@ def test_folder_without_a_machine_is_refused_in_one_line(heavy, capsys):
     assert error.count("\n") == 1
 
 
-def test_report_of_a_loop_that_is_not_there_prints_one_line(tmp_path, capsys):
-    assert main(["loop-report", "--loop", str(tmp_path)]) == 2
+def test_errors_before_and_after_are_printed(heavy, printed):
+    rows = [line.strip("| ").split(" | ") for line in printed.splitlines() if line.startswith("|")]
+    assert rows[0] == ["held-out samples", *(f"{run}: RMS, N" if k == 0 else what
+        for run in RUNS for k, what in enumerate(("RMS, N", "max, N", "ave, %")))]  # fmt: skip
+    report = json.loads((heavy / "out" / "report.json").read_text())
+    by_name = {name: [float(cell) for cell in cells] for name, *cells in rows[2:]}
+    assert set(by_name) == {"analytic model", "network", "fixed point"}
+    figures = [report[run][key] for run in RUNS for key in ("rms_n", "max_n", "ave_pct")]
+    np.testing.assert_allclose(by_name["analytic model"], figures, atol=0.006)
+    # Rounding to 18 bits and the twin's tables stay far below the noise.
+    np.testing.assert_allclose(by_name["fixed point"], by_name["network"], atol=0.05)
+
+
+def test_rtl_of_a_loop_that_is_not_there_ends_in_one_line(tmp_path, capsys):
+    assert lab.main(["loop-rtl", "--loop", str(tmp_path)]) == 2
     printed = capsys.readouterr()
     assert (printed.out, printed.err.count("\n")) == ("", 1)

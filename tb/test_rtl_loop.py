@@ -1,11 +1,6 @@
-"""The held-out samples of `gravcomp loop` through the VHDL, with the weights from before the loop and from after.
+"""What a loop found is in the VHDL: on its held-out samples, before and after, and at the pins of gc_system."""
 
-`make loop` runs it between `gravcomp loop` and `gravcomp loop-report`; LOOP names the folder of the loop.
-"""
-
-import os
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import cocotb
@@ -13,10 +8,9 @@ import numpy as np
 import pytest
 from cocotb.triggers import Timer
 
-from codes import ROOT, fixed_compensation, fixed_network, pack, unpack
+from codes import ROOT, fixed_network
 from gravcomp.cli import main
 from gravcomp.core.compensation import load_compensation
-from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.shares import Shares
@@ -25,64 +19,27 @@ from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.loop import (
     RUNS,
-    SAMPLES,
-    answer_file,
     check_robot,
     close_loop,
-    error_table,
+    errors_by_run,
+    fixed_point_mn,
     generated_folder,
+    load_samples,
+    loop_errors,
     weights_folder,
 )
 from gravcomp.training.training import workspace_set
 from gravcomp.twin import network as bittrue
-from gravcomp.twin.compensator import compensator
-from gravcomp_lab.benches.stream import start, stream
+from gravcomp_lab.benches.held_out import held_out_run
 from machines import MACHINE, SHIPPED
 from measured_samples import write_log
-from runner import simulate
+from runner import BUILD, RTL, simulate
 from support.board import Board
 
-LOOP = Path(os.environ.get("LOOP", "")).resolve()
-LANES, CORE_LATENCY = 4, 23
+LANES = 4
 # Coulomb and viscous friction of every axis; speeds at which the pins show it, axis by axis.
 COULOMB_N, VISCOUS_NS_PER_M = 1.5, 20.0
 SPEEDS_MPS = np.array([0.2, -0.4, 0.8])
-
-
-@cocotb.test()
-async def held_out_samples(dut):
-    """Every force equals the bit-true model; they are left for the report."""
-    folder, run = Path(os.environ["LOOP"]), os.environ["RUN"]
-    with np.load(folder / SAMPLES) as stimulus:
-        counts, periods = stimulus["count"], stimulus["period"]
-    fixed = fixed_network()
-    n = fixed.n_axes
-    await start(dut)
-    inputs = [{"in_count": pack(c, COUNT_BITS), "in_period": pack(p, 32)} for c, p in zip(counts, periods, strict=True)]
-    got = await stream(dut, inputs, ["out_force"], has_ready=True)
-    force_mn = unpack(got.outputs["out_force"], FORCE_BITS, n)
-    network_mn = bittrue.core(counts, fixed).force_mn
-    np.testing.assert_array_equal(force_mn, compensator(network_mn, counts, periods, fixed_compensation())[0])
-    np.save(answer_file(folder, run), force_mn)
-
-
-def simulate_loop(folder: Path, run: str) -> None:
-    simulate(
-        "gc_force_bench",
-        "test_rtl_loop",
-        generics={"lanes_g": LANES, "latency_g": CORE_LATENCY},
-        label=f"{folder.name}_{run}",
-        generated=generated_folder(folder, run),
-        environment={"WEIGHTS": str(weights_folder(folder, run)), "LOOP": str(folder), "RUN": run},
-        extra_sources=(ROOT / "tb" / "hdl" / "gc_force_bench.vhd",),
-        tests=r"\.held_out_samples$",
-    )
-
-
-@pytest.mark.skipif("LOOP" not in os.environ, reason="LOOP names no folder of a loop; `make loop` does")
-@pytest.mark.parametrize("run", RUNS)
-def test_loop_runs_its_held_out_samples_in_the_rtl(run):
-    simulate_loop(LOOP, run)
 
 
 def found_in(data: Measurement, effects: Model, noise_n: np.ndarray) -> SimpleNamespace:
@@ -129,15 +86,19 @@ def test_loop_brings_found_effects_into_the_rtl(tmp_path):
     found = found_in(data, model, 0.1 * rng.standard_normal(v.shape))
     closed = close_loop(found, model, ROOT / "weights" / "spheiro", tmp_path, 0, "a test", {})
     assert (closed.placement.in_network, closed.placement.in_compensator) == (["payload"], ["coulomb_friction"])
+    samples, rtl_n = load_samples(tmp_path), {}
     for run in RUNS:
-        simulate_loop(tmp_path, run)
-    table = error_table(tmp_path)
+        force_mn = held_out_run(tmp_path, run, RTL, BUILD)
+        np.testing.assert_array_equal(force_mn, fixed_point_mn(tmp_path, run, samples))
+        rtl_n[run] = force_mn / 1e3
+    table = {**loop_errors(tmp_path), "RTL": errors_by_run(rtl_n, samples["measured_n"])}
     rms_n = {name: [runs[run]["rms_n"] for run in RUNS] for name, runs in table.items()}
     print(f"MEASURED {rms_n}")
     assert all(before > 1.5 for before, _ in rms_n.values())
     assert rms_n["analytic model"][1] < 0.11
     assert rms_n["network"][1] < 0.18
     assert rms_n["RTL"][1] == pytest.approx(rms_n["network"][1], abs=0.01)
+    assert rms_n["RTL"] == rms_n["fixed point"]
 
 
 @cocotb.test()

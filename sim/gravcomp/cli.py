@@ -18,7 +18,7 @@ from gravcomp.errors import InputError
 # In the order of the work.
 COMMANDS = (
     *("import", "diagnose", "plan", "new", "train", "import-network", "adopt", "formats", "rom", "vectors", "image"),
-    *("loop", "loop-report", "measure"),
+    *("loop", "measure"),
 )
 
 

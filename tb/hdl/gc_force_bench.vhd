@@ -13,9 +13,7 @@ library work;
 
 entity gc_force_bench is
   generic (
-    lanes_g   : positive := 4;
-    -- Latency of gc_core with lanes_g, clocks.
-    latency_g : positive := 23
+    lanes_g : positive := 4
   );
   port (
     clk           : in    std_ulogic;
@@ -60,24 +58,29 @@ begin
 
   sample <= std_ulogic_vector(in_count) & std_ulogic_vector(in_period);
 
-  -- A ring in a variable: a shift register as wide as this would take most of the simulator's time.
+  -- A queue in a variable: a shift register as wide as this would take most of the simulator's time.
   p_wait : process (clk) is
 
-    type ring_t is array (0 to latency_g - 2) of std_ulogic_vector(sample'range);
+    -- More than are under way in any core.
+    constant places_c : positive := 64;
 
-    variable ring_v  : ring_t;
-    variable place_v : natural range 0 to latency_g - 2 := 0;
+    type queue_t is array (0 to places_c - 1) of std_ulogic_vector(sample'range);
+
+    variable queue_v : queue_t;
+    variable first_v : natural range 0 to places_c - 1 := 0;
+    variable free_v  : natural range 0 to places_c - 1 := 0;
 
   begin
 
     if rising_edge(clk) then
-      waited          <= ring_v(place_v);
-      ring_v(place_v) := sample;
-      if place_v = latency_g - 2 then
-        place_v := 0;
-      else
-        place_v := place_v + 1;
+      if in_valid = '1' and in_ready = '1' then
+        queue_v(free_v) := sample;
+        free_v          := (free_v + 1) mod places_c;
       end if;
+      if core_valid = '1' then
+        first_v := (first_v + 1) mod places_c;
+      end if;
+      waited <= queue_v(first_v);
     end if;
 
   end process p_wait;

@@ -1,8 +1,8 @@
 """Close the loop: diagnose measured data, put what was found into network and compensator, write their ROMs.
 
-Writes report.json, model.toml and report.html as diagnose does, and before/ and after/ for the RTL, which then runs
-on the held-out samples (tb/test_rtl_loop.py); loop-report prints the errors. `make loop` does all three. after/weights
-is a machine folder as any other, and is copied to the folder of --save: the next loop starts from it.
+Writes report.json, model.toml and report.html as diagnose does, and before/ and after/, each a machine folder and its
+VHDL packages; prints the errors on held-out samples before and after. after/weights is a machine folder as any other,
+and is copied to the folder of --save: the next loop starts from it.
 """
 
 import hashlib
@@ -26,7 +26,7 @@ def add_arguments(parser):
 
 def run(arguments):
     from gravcomp.logs.csv_reader import read_measurement
-    from gravcomp.loop.loop import check_robot, close_loop, weights_folder
+    from gravcomp.loop.loop import check_robot, close_loop, error_head, error_rows, loop_errors, weights_folder
     from gravcomp.robot.machine import load_machine
 
     machine, units = load_machine(arguments.weights), parse_units(arguments.units)
@@ -49,4 +49,7 @@ def run(arguments):
         ("nowhere", closed.placement.nowhere),
     ):
         print(f"  {place}: {', '.join(names) or 'nothing'}")
-    print(f"  weights: {result}; {closed.n_samples} held-out samples for the RTL")
+    print(f"  weights: {result}\n")
+    print(f"{error_head(machine.effort_unit)}\n{error_rows(loop_errors(arguments.out))}\n")
+    noise = f"{found.noise_floor:.3f} {machine.effort_unit} RMS"
+    print(f"{closed.n_samples} held-out samples; noise of the measurement: {noise}")

@@ -1,7 +1,7 @@
 """The loop: what a diagnosis found goes into network and compensator, and held-out samples judge model and hardware.
 
-Folder of a loop: before/ and after/, each with weights/ (a machine folder), generated/ (VHDL packages) and, once the
-RTL has run, rtl_mn.npy; samples.npz, what the RTL is to be run on and what was measured there.
+Folder of a loop: before/ and after/, each with weights/ (a machine folder) and generated/ (VHDL packages); samples.npz,
+held-out samples for the hardware and what was measured there.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.core.compensation import load_compensation
+from gravcomp.core.compensator_tables import quantise_compensation
 from gravcomp.core.folder import MachineFolder, load_folder, save_folder
+from gravcomp.core.formats import quantise
 from gravcomp.core.provenance import PROVENANCE_JSON, provenance_text
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.diagnosis.diagnosis import Diagnosis
@@ -22,7 +24,8 @@ from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.placement import Placement, into_hardware
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import ROBOT_TOML, Machine, load_machine, parse_machine
-from gravcomp.twin.compensator import period_of
+from gravcomp.twin.compensator import compensator, period_of
+from gravcomp.twin.network import core
 
 RUNS = ("before", "after")
 SAMPLES = "samples.npz"
@@ -45,11 +48,6 @@ def weights_folder(folder: Path, run: str) -> Path:
 
 def generated_folder(folder: Path, run: str) -> Path:
     return folder / run / "generated"
-
-
-def answer_file(folder: Path, run: str) -> Path:
-    """Forces of the RTL at the samples, mN (N, n)."""
-    return folder / run / "rtl_mn.npy"
 
 
 def check_robot(data: Measurement, weights: Path) -> None:
@@ -88,7 +86,6 @@ def _write(folder: Path, run: str, content: MachineFolder, comment: str, provena
     save_folder(target, content, comment)
     write_atomically(target / PROVENANCE_JSON, provenance)
     write_rom(target, generated_folder(folder, run))
-    answer_file(folder, run).unlink(missing_ok=True)
 
 
 def save_samples(found: Diagnosis, folder: Path, machine: Machine) -> int:
@@ -114,32 +111,45 @@ def save_samples(found: Diagnosis, folder: Path, machine: Machine) -> int:
     return len(rows)
 
 
-def error_table(folder: Path) -> dict[str, dict[str, dict[str, float]]]:
-    """Errors as in a report by model (analytic model, network, RTL) and run (before, after), on the samples of a loop.
-
-    Raises InputError when the loop or its RTL run is missing.
-    """
+def load_samples(folder: Path) -> dict[str, np.ndarray]:
+    """What save_samples wrote into the folder of a loop. Raises InputError when it is missing."""
     try:
         with np.load(folder / SAMPLES) as file:
-            samples = dict(file)
-        rtl_n = {run: np.load(answer_file(folder, run)) / 1000.0 for run in RUNS}
+            return dict(file)
     except OSError as error:
-        raise InputError(f"{error.filename}: not found; `make loop` in a clone makes it") from error
+        raise InputError(f"{folder / SAMPLES}: not found; `gravcomp loop --out {folder}` writes it") from error
+
+
+def loop_errors(folder: Path) -> dict[str, dict[str, dict[str, float]]]:
+    """Errors as in a report on the samples of a loop, by model and run: analytic model, network, and fixed point, which
+    is the hardware bit by bit. Raises InputError when the loop is missing.
+    """
+    samples = load_samples(folder)
     forces = {
         "analytic model": {"before": samples["model_n"], "after": samples["found_n"]},
         "network": {run: _network_forces(folder, run, samples) for run in RUNS},
-        "RTL": rtl_n,
+        "fixed point": {run: fixed_point_mn(folder, run, samples) / 1e3 for run in RUNS},
     }
-    measured_n = samples["measured_n"]
-    return {
-        name: {run: errors(force_n - measured_n, measured_n) for run, force_n in runs.items()}
-        for name, runs in forces.items()
-    }
+    return {name: errors_by_run(runs, samples["measured_n"]) for name, runs in forces.items()}
 
 
-def noise_floor_n(folder: Path) -> float:
-    with np.load(folder / SAMPLES) as file:
-        return float(file["noise_n"])
+def errors_by_run(forces: dict[str, np.ndarray], measured: np.ndarray) -> dict[str, dict[str, float]]:
+    """Errors of the forces (N, n) of each run."""
+    return {run: errors(force - measured, measured) for run, force in forces.items()}
+
+
+def error_rows(table: dict[str, dict[str, dict[str, float]]]) -> str:
+    """Rows of a Markdown table below ``error_head``, one for each model of ``loop_errors``."""
+    cells = "{rms_n:.3f} | {max_n:.2f} | {ave_pct:.2f}"
+    return "\n".join(
+        f"| {name} | {' | '.join(cells.format(**runs[run]) for run in RUNS)} |" for name, runs in table.items()
+    )
+
+
+def error_head(unit: str) -> str:
+    """Head of the table of errors of forces in a unit."""
+    columns = [f"{run}: RMS, {unit} | max, {unit} | ave, %" for run in RUNS]
+    return f"| held-out samples | {' | '.join(columns)} |\n|---|---|---|---|---|---|---|"
 
 
 def _network_forces(folder: Path, run: str, samples: dict[str, np.ndarray]) -> np.ndarray:
@@ -147,3 +157,13 @@ def _network_forces(folder: Path, run: str, samples: dict[str, np.ndarray]) -> n
     constants = load_compensation(weights_folder(folder, run), network.n_axes)
     force_n = network.forces(samples["q_m"])
     return force_n + constants.corrections(samples["q_m"], samples["v_mps"], force_n)
+
+
+def fixed_point_mn(folder: Path, run: str, samples: dict[str, np.ndarray]) -> np.ndarray:
+    """Forces (N, n) of the hardware's bit-true twin at the samples of a loop, mN or mNm."""
+    weights = weights_folder(folder, run)
+    content, counts = load_folder(weights), samples["count"]
+    drive = content.machine.drive
+    force_mn = core(counts, quantise(content.network, drive, weights)).force_mn
+    tables = quantise_compensation(content.compensation, drive, weights)
+    return compensator(force_mn, counts, samples["period"], tables)[0]

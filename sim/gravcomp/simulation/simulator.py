@@ -1,6 +1,8 @@
 """Runs cocotb tests of an entity, in VHDL under GHDL or as Verilog under Icarus; compiles benches with Verilator."""
 
+import importlib.util
 import os
+import shlex
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,14 +18,13 @@ def simulate(
     *,
     sources: Sequence[Path],
     build_dir: Path,
-    python_path: Path,
     generics: Mapping[str, int] | None = None,
     environment: Mapping[str, str] | None = None,
     is_verilog: bool = False,
     tests: str | None = None,
     vcd: Path | None = None,
 ) -> dict:
-    """Run the cocotb tests of test_module (in python_path) on an entity; AssertionError when one fails or none runs.
+    """Run the cocotb tests of test_module on an entity; AssertionError when one fails or none runs.
 
     sources: VHDL in compile order, under GHDL; with is_verilog Verilog, under Icarus, made with the generics. generics
     are set on the entity and handed to the test as environment variables of the same name in upper case. tests selects
@@ -53,9 +54,10 @@ def simulate(
         raise AssertionError(f"{name}: does not compile ({stop})\n{_tail(build_log)}") from None
     try:
         variables = {
-            "PYTHONPATH": os.pathsep.join([str(python_path), os.environ.get("PYTHONPATH", "")]),
             **{k.upper(): str(v) for k, v in generics.items()},
             **(environment or {}),
+            # Of all modules that are imported, as cocotb's default has it, it takes several seconds of each simulation.
+            "COCOTB_REWRITE_ASSERTION_FILES": shlex.quote(str(_folder_of(test_module) / "*.py")),
             FILE: str(handed),
         }
         # In os.environ, because cocotb's runner prefers that to its own extra_env: make exports WEIGHTS.
@@ -76,6 +78,12 @@ def simulate(
     assert n_tests > 0, f"{name}: no cocotb test ran\n{_tail(log)}"
     assert n_failed == 0, f"{name}: {n_failed} of {n_tests} cocotb tests failed\n{_tail(log)}"
     return handed_over(handed)
+
+
+def _folder_of(module: str) -> Path:
+    spec = importlib.util.find_spec(module)
+    assert spec, f"{module}: no such module on the path"
+    return Path(spec.origin).parent
 
 
 def verilate(verilog: Sequence[Path], entity: str, bench: Path, folder: Path) -> Path:

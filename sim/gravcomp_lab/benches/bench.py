@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from gravcomp.simulation.simulator import simulate
-from gravcomp_lab.shipped import ROOT
 from gravcomp_lab.synthesis.verilog import rtl_sources
 
 
@@ -18,17 +17,18 @@ def run_bench(
     sources: Sequence[Path] = (),
     tests: str | None = None,
     vcd: Path | None = None,
+    generated: Path | None = None,
 ) -> dict:
     """What the cocotb tests of a module handed over, run under GHDL on an entity of rtl with so many lanes.
 
-    sources: VHDL of the bench, behind that of rtl. The rest, and errors, as of ``simulate``.
+    sources: VHDL of the bench, behind that of rtl. generated: as of ``rtl_sources``. The rest, and errors, as of
+    ``simulate``.
     """
     return simulate(
         entity,
         module,
-        sources=[*rtl_sources(rtl), *sources],
+        sources=[*rtl_sources(rtl, generated), *sources],
         build_dir=build_dir,
-        python_path=ROOT / "sim",
         generics={"lanes_g": lanes},
         environment=environment,
         tests=tests,

@@ -10,13 +10,20 @@ from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 
 
-def rtl_sources(rtl: Path) -> list[Path]:
-    """The VHDL files of rtl/sources.f, in compile order; InputError when there is none."""
+def rtl_sources(rtl: Path, generated: Path | None = None) -> list[Path]:
+    """The VHDL files of rtl/sources.f, in compile order; InputError when there is none. generated: folder of another
+    machine's packages, to be taken instead of those in rtl.
+    """
     try:
         names = (rtl / "sources.f").read_text().split()
     except OSError:
         raise InputError(f"{rtl}: no sources.f; give the folder of the RTL") from None
-    return [rtl / name for name in names]
+    made = {} if generated is None else {name: generated / Path(name).name for name in names if _is_generated(name)}
+    return [made.get(name, rtl / name) for name in names]
+
+
+def _is_generated(name: str) -> bool:
+    return name.startswith("generated/")
 
 
 def source_of(rtl: Path, entity: str) -> Path:
