@@ -49,6 +49,9 @@ safety/gc_safety.vhd
 safety/gc_lockstep.vhd
 safety/gc_drive.vhd
 system/gc_tick.vhd
+motion/gc_servo_pkg.vhd
+motion/gc_setpoint.vhd
+motion/gc_servo.vhd
 loading/gc_crc_pkg.vhd
 loading/gc_loader.vhd
 loading/gc_bank_switch.vhd

@@ -1,0 +1,336 @@
+-- SPDX-License-Identifier: MIT
+--
+-- Moves the setpoints of all axes from where they are to a target, together, along minimum jerk.
+--
+--   setpoint = start + (target - start) s(u),   s = u**3 (10 - 15 u + 6 u**2),   u = 0 .. 1 in equal steps
+--
+-- One s for all axes: they start and arrive in the same tick, on a straight line in joint space.
+-- A move takes move_ticks, at least 2, or longer: the step of u is shortened by sixteenths until each axis keeps
+--   cfg_speed        >= 15/8 (target - start) / ticks
+--   cfg_acceleration >= 47/8 (target - start) / ticks**2         (the peak is 10/sqrt(3) = 0.983 47/8)
+-- with the right side rounded up. A move that cannot keep them, as a limit is zero, is refused: nothing moves.
+-- A move is taken at rest only (move_ready), so setpoint and its speed never jump.
+-- run = '0': no move, the setpoint is the count of the clock before. So nothing pulls when run rises.
+--
+-- Formats: counts 32 bits; speed 2**-16 counts per tick, acceleration 2**-24 counts per tick**2, 32 bits.
+-- The target is met exactly; between, s is rounded down to 32 bits behind the point, the setpoint to a count.
+-- Latency: planning takes 33 clocks and 6 axes_g for each step of u that is tried, some 300 at most; the first tick
+-- after it is the first of the move. From in_valid to the last setpoint 10 + 3 axes_g clocks; a tick that comes sooner
+-- is not taken. Overflow: cannot happen, the bounds stand at the sums.
+
+library ieee;
+  use ieee.std_logic_1164.all;
+  use ieee.numeric_std.all;
+
+library work;
+  use work.gc_fixed_pkg.all;
+  use work.gc_servo_pkg.all;
+
+entity gc_setpoint is
+  generic (
+    -- Axes, 1 to 8.
+    axes_g : positive := 3
+  );
+  port (
+    clk              : in    std_ulogic;
+    -- Synchronous, active high; as run = '0'.
+    rst              : in    std_ulogic;
+    -- '0': the setpoint follows the count.
+    run              : in    std_ulogic;
+    -- Counts, axis 1 lowest.
+    in_count         : in    signed(axes_g * 32 - 1 downto 0);
+    -- One clock per tick: the setpoint goes on.
+    in_valid         : in    std_ulogic;
+    -- A move begins in a clock with both: targets, counts, axis 1 lowest, and how long it takes, ticks.
+    move_valid       : in    std_ulogic;
+    move_ready       : out   std_ulogic;
+    move_target      : in    signed(axes_g * 32 - 1 downto 0);
+    move_ticks       : in    unsigned(31 downto 0);
+    -- Limits, 2**-16 counts per tick and 2**-24 counts per tick**2, axis 1 lowest; they hold while a move is planned.
+    cfg_speed        : in    unsigned(axes_g * 32 - 1 downto 0);
+    cfg_acceleration : in    unsigned(axes_g * 32 - 1 downto 0);
+    -- Setpoints, counts, axis 1 lowest.
+    out_setpoint     : out   signed(axes_g * 32 - 1 downto 0);
+    -- The last move could not keep the limits, and was not made.
+    sts_refused      : out   std_ulogic := '0';
+    -- The step of u of the last move, 2**-32: it takes 2**32 / sts_rate ticks, rounded up.
+    sts_rate         : out   unsigned(31 downto 0)
+  );
+end entity gc_setpoint;
+
+architecture rtl of gc_setpoint is
+
+  -- Planning: 2**32 / ticks, then for each axis its speed and its acceleration. Moving: awaiting a tick, then u**2,
+  -- u**3, s and, for each axis, its setpoint. From speed on a state is a product and lasts three clocks.
+
+  type state_t is (at_rest, awaiting, divide, speed, acceleration, square, cube, blend, place);
+
+  type words_t is array (0 to axes_g - 1) of signed(31 downto 0);
+
+  type spans_t is array (0 to axes_g - 1) of signed(32 downto 0);
+
+  type limits_t is array (0 to axes_g - 1) of unsigned(31 downto 0);
+
+  -- Bits behind the point of 10 - 15 u + 6 u**2, which is 1 to 10.
+  constant factor_fraction_c : positive := 28;
+
+  -- Half a count, of start + (target - start) s.
+  constant half_c : signed(65 downto 0) := (31 => '1', others => '0');
+
+  signal speed_limit        : limits_t;
+  signal acceleration_limit : limits_t;
+
+  signal state      : state_t := at_rest;
+  signal is_product : std_ulogic;
+  signal turn       : natural range 0 to 2 := 0;
+  signal axis       : natural range 0 to axes_g - 1 := 0;
+  signal setpoint   : words_t := (others => (others => '0'));
+  signal start      : words_t;
+  signal span       : spans_t;
+  -- What is left of 2**32 by the ticks asked for, and bits of the quotient that are still to come.
+  signal ticks      : unsigned(31 downto 0);
+  signal remainder  : unsigned(31 downto 0);
+  signal bits_left  : natural range 0 to 31 := 0;
+  signal rate       : unsigned(31 downto 0) := (others => '0');
+  -- u; then u**2, u**3 or s; 10 - 15 u + 6 u**2.
+  signal phase      : unsigned(31 downto 0);
+  signal power      : unsigned(31 downto 0);
+  signal factor     : unsigned(31 downto 0);
+  -- (target - start) / ticks, 2**-16 counts per tick.
+  signal velocity   : unsigned(31 downto 0);
+  signal a          : signed(32 downto 0);
+  signal b          : signed(32 downto 0);
+  signal product    : signed(65 downto 0);
+
+  -- Without its sign; |value| < 2**32.
+
+  function magnitude (
+    value : signed(32 downto 0)
+  ) return signed is
+  begin
+
+    if value < 0 then
+      return -value;
+    end if;
+
+    return value;
+
+  end function magnitude;
+
+begin
+
+  assert axes_g <= most_axes_c
+    report "gc_setpoint: need axes_g <= 8, got " & integer'image(axes_g)
+    severity failure;
+
+  g_axis : for i in 0 to axes_g - 1 generate
+    speed_limit(i) <= cfg_speed((i + 1) * 32 - 1 downto i * 32);
+    acceleration_limit(i) <= cfg_acceleration((i + 1) * 32 - 1 downto i * 32);
+    out_setpoint((i + 1) * 32 - 1 downto i * 32) <= setpoint(i);
+  end generate g_axis;
+
+  is_product <= '0' when state = at_rest or state = awaiting or state = divide else '1';
+  move_ready <= run when state = at_rest else '0';
+  sts_rate <= rate;
+
+  p_operands : process (all) is
+  begin
+
+    a <= signed('0' & power);
+    b <= signed('0' & phase);
+
+    if state = speed then
+      a <= magnitude(span(axis));
+      b <= signed('0' & rate);
+    elsif state = acceleration then
+      a <= signed('0' & velocity);
+      b <= signed('0' & rate);
+    elsif state = square then
+      a <= signed('0' & phase);
+    elsif state = blend then
+      b <= signed('0' & factor);
+    elsif state = place then
+      a <= span(axis);
+      b <= signed('0' & power);
+    end if;
+
+  end process p_operands;
+
+  i_multiply : entity work.gc_multiply
+    generic map (
+      a_bits_g => a'length,
+      b_bits_g => b'length
+    )
+    port map (
+      clk         => clk,
+      rst         => rst,
+      in_valid    => '0',
+      in_a        => a,
+      in_b        => b,
+      out_valid   => open,
+      out_product => product
+    );
+
+  p_setpoint : process (clk) is
+
+    variable twice_v    : unsigned(32 downto 0);
+    variable speed_v    : unsigned(51 downto 0);
+    variable change_v   : unsigned(45 downto 0);
+    variable phase_v    : unsigned(32 downto 0);
+    variable factor_v   : unsigned(35 downto 0);
+    variable place_v    : signed(33 downto 0);
+    variable too_fast_v : std_ulogic;
+
+  begin
+
+    if rising_edge(clk) then
+      too_fast_v := '0';
+      turn <= 0;
+      if is_product = '1' and turn /= 2 then
+        turn <= turn + 1;
+      end if;
+
+      if state = at_rest and move_valid = '1' then
+        state <= divide;
+        ticks <= move_ticks;
+        if move_ticks < 2 then
+          ticks <= to_unsigned(2, 32);
+        end if;
+        remainder <= to_unsigned(1, 32);
+        bits_left <= 31;
+        axis <= 0;
+        phase <= (others => '0');
+        sts_refused <= '0';
+        start <= setpoint;
+
+        for i in 0 to axes_g - 1 loop
+
+          span(i) <= resize(move_target((i + 1) * 32 - 1 downto i * 32), 33) - setpoint(i);
+
+        end loop;
+
+      end if;
+
+      -- 2**32 / ticks, a bit a clock: the remainder is below the divisor, twice it below 2**33
+      if state = divide then
+        twice_v := remainder & '0';
+        remainder <= twice_v(31 downto 0);
+        rate <= rate(30 downto 0) & '0';
+        if twice_v >= ticks then
+          twice_v := twice_v - ticks;
+          remainder <= twice_v(31 downto 0);
+          rate(0) <= '1';
+        end if;
+        if bits_left = 0 then
+          state <= speed;
+        else
+          bits_left <= bits_left - 1;
+        end if;
+      end if;
+
+      -- The product is below 2**64, the mean speed at most 2**48, 15 times that below 2**52.
+      if state = speed and turn = 2 then
+        speed_v := resize(unsigned(truncate(product + (2 ** 16 - 1), 16, 50)), 52);
+        velocity <= speed_v(31 downto 0);
+        state <= acceleration;
+        if shift_left(speed_v, 4) - speed_v > shift_left(resize(speed_limit(axis), 52), 3) then
+          too_fast_v := '1';
+        end if;
+      end if;
+
+      -- The product is below 2**64, the change of speed at most 2**40, 48 times that below 2**46.
+      if state = acceleration and turn = 2 then
+        change_v := resize(unsigned(truncate(product + (2 ** 24 - 1), 24, 42)), 46);
+        state <= speed;
+        if axis = axes_g - 1 then
+          axis <= 0;
+          state <= awaiting;
+        else
+          axis <= axis + 1;
+        end if;
+        if shift_left(change_v, 5) + shift_left(change_v, 4) - change_v
+           > shift_left(resize(acceleration_limit(axis), 46), 3) then
+          too_fast_v := '1';
+        end if;
+      end if;
+
+      -- A step of u that is too long is shortened, by 1 at least.
+      if too_fast_v = '1' then
+        axis <= 0;
+        state <= speed;
+        rate <= rate - shift_right(rate, 4);
+        if rate < 16 then
+          rate <= rate - 1;
+        end if;
+        if rate <= 1 then
+          sts_refused <= '1';
+          state <= at_rest;
+        end if;
+      end if;
+
+      if state = awaiting and in_valid = '1' then
+        phase_v := resize(phase, 33) + rate;
+        phase <= phase_v(31 downto 0);
+        state <= square;
+        -- u = 1: the target itself
+        if phase_v(32) = '1' then
+          state <= at_rest;
+
+          for i in 0 to axes_g - 1 loop
+
+            place_v := resize(start(i), 34) + span(i);
+            setpoint(i) <= place_v(31 downto 0);
+
+          end loop;
+
+        end if;
+      end if;
+
+      -- What is rounded down all the way stays between 0 and the exact s, which is below 1.
+      if state = square and turn = 2 then
+        power <= unsigned(product(63 downto 32));
+        factor_v := to_unsigned(10, 4) & to_unsigned(0, 32);
+        factor_v := factor_v - (shift_left(resize(phase, 36), 4) - phase);
+        factor_v := factor_v + shift_left(resize(unsigned(product(63 downto 32)), 36), 2)
+                    + shift_left(resize(unsigned(product(63 downto 32)), 36), 1);
+        factor <= factor_v(35 downto 36 - factor'length);
+        state <= cube;
+      end if;
+      if state = cube and turn = 2 then
+        power <= unsigned(product(63 downto 32));
+        state <= blend;
+      end if;
+      if state = blend and turn = 2 then
+        power <= unsigned(product(factor_fraction_c + 31 downto factor_fraction_c));
+        state <= place;
+      end if;
+
+      -- start + (target - start) s lies between the two
+      if state = place and turn = 2 then
+        place_v := resize(start(axis), 34) + truncate(product + half_c, 32, 34);
+        setpoint(axis) <= place_v(31 downto 0);
+        if axis = axes_g - 1 then
+          axis <= 0;
+          state <= awaiting;
+        else
+          axis <= axis + 1;
+        end if;
+      end if;
+
+      if run = '0' or rst = '1' then
+        state <= at_rest;
+        turn <= 0;
+        sts_refused <= '0';
+
+        for i in 0 to axes_g - 1 loop
+
+          setpoint(i) <= in_count((i + 1) * 32 - 1 downto i * 32);
+
+        end loop;
+
+      end if;
+    end if;
+
+  end process p_setpoint;
+
+end architecture rtl;
