@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gravcomp.prototype.body import TIME_STEP_S
+from gravcomp.prototype.engine import TIME_STEP_S
 from gravcomp.robot.spheiro.kinematics import direct_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp_lab.hil.plant import BRAKE_N, BrakedPrototype, Pid

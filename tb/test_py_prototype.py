@@ -66,7 +66,7 @@ def test_equilibrium_counts_springs_dampers_and_the_friction_of_moving_joints():
     stretch = passive_coordinates(POSES[0], P)[:3] - P.d_m
     expected = holding_forces(POSES[0], P) + 100.0 * velocity
     expected += j.T @ (50.0 * stretch + friction_n * np.sign(j @ velocity))
-    np.testing.assert_allclose(robot.equilibrium_forces(), expected, atol=2e-3)
+    np.testing.assert_allclose(robot.equilibrium_efforts(), expected, atol=2e-3)
 
 
 def test_prototype_follows_its_parameters():

@@ -11,6 +11,7 @@ from gravcomp_lab.blind import from_prototype
 from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT, draw
 from gravcomp_lab.blind.tally import (
     AFTER_LIMIT,
+    ARMS,
     Outcome,
     confusion_png,
     markdown,
@@ -131,9 +132,11 @@ def test_picture_shows_a_pair_of_which_one_was_named_as_one_hit_and_one_miss():
 
 def test_every_kind_is_run_with_every_seed(monkeypatch, tmp_path):
     monkeypatch.setattr("gravcomp_lab.blind.tally.run_model_case", lambda kind, seed: (kind, seed))
-    monkeypatch.setattr("gravcomp_lab.blind.tally.run_prototype_case", lambda folder, kind, seed: (folder, kind, seed))
-    ran = run_all(2, 1, 30, tmp_path, 1)
-    assert ran == [(kind, seed) for kind in CASES for seed in (30, 31)] + [(tmp_path, kind, 30) for kind in CASES]
+    monkeypatch.setattr("gravcomp_lab.blind.tally.run_prototype_case", lambda *case: case)
+    ran = run_all(2, 1, 1, 30, tmp_path, 1)
+    model = [(kind, seed) for kind in CASES for seed in (30, 31)]
+    arms = [(tmp_path, kind, 30, arm) for arm in ARMS for kind in CASES]
+    assert ran == model + [(tmp_path, kind, 30) for kind in CASES] + arms
 
 
 def test_run_compares_what_was_named_with_the_sealed_answer(monkeypatch):

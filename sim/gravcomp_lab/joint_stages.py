@@ -94,15 +94,15 @@ def prototype_left(machine: Machine, n_holds: int, seed: int = 3) -> dict[str, f
     """RMS in N that each stage leaves of the passive joints' friction of the virtual prototype, held out, no noise; the
     two levels of the friction are fitted to the other holds.
     """
-    log = measure(machine, [EFFECTS["passive_joint_friction"]()], n_holds, seed, mode="static", noise_n=0.0)
+    log = measure(machine, [EFFECTS["passive_joint_friction"]()], n_holds, seed, mode="static", noise=0.0)
     robot, rows = machine.robot, np.arange(n_holds)
     units = np.array([unit == "m" for unit in robot.passive_units])
-    motions = Motions(log.q_m, log.v_mps, robot.forces(log.q_m), robot.passive_jacobian(log.q_m), units)
-    true, test = log.effort_n - motions.force, rows % 4 == 3
-    out = {"none": rms(true[test]), "Coulomb friction of each axis": rms((true - by_axis(true, log.v_mps, test))[test])}
+    motions = Motions(log.q, log.v, robot.forces(log.q), robot.passive_jacobian(log.q), units)
+    true, test = log.effort - motions.force, rows % 4 == 3
+    out = {"none": rms(true[test]), "Coulomb friction of each axis": rms((true - by_axis(true, log.v, test))[test])}
     jacobians = {f"J_p(q) of degree {degree}": fitted_jacobian(motions, degree) for degree in DEGREES}
     for name, own in {**jacobians, "J_p(q) itself": motions.passive}.items():
-        x = np.stack([friction(own[:, joints], log.v_mps) for joints in (units, ~units)], axis=-1)
+        x = np.stack([friction(own[:, joints], log.v) for joints in (units, ~units)], axis=-1)
         level = np.linalg.lstsq(x[~test].reshape(-1, 2), true[~test].ravel(), rcond=None)[0]
         out[name] = rms((true - x @ level)[test])
     return out

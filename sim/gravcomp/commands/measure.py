@@ -6,7 +6,7 @@ The CSV tells nothing of what was put in; LOG.sealed.json does, and no diagnosis
 import math
 
 from gravcomp.errors import InputError
-from gravcomp.prototype import DEFAULT_NOISE_N, MODES
+from gravcomp.prototype import MODES
 
 
 def add_arguments(parser):
@@ -20,10 +20,14 @@ def add_arguments(parser):
     parser.add_argument("--out", required=True, metavar="LOG.csv", help="where to write")
     parser.add_argument("--mode", choices=MODES, default="both", help="static holds, slow motion, or both (default)")
     parser.add_argument("--points", type=int, default=3600, help="samples (default 3600; both: a quarter are holds)")
-    parser.add_argument("--noise", type=float, default=DEFAULT_NOISE_N, help="of the currents, N RMS (default 0.1)")
-    parser.add_argument("--speed", type=float, default=1.0, help="of the motion; 1 (default) is 10 mm/s at most")
+    parser.add_argument(
+        "--noise", type=float, help="of the currents, N or Nm RMS (default: 0.2 %% of what each axis bears)"
+    )
+    parser.add_argument(
+        "--speed", type=float, default=1.0, help="of the motion; 1 (default) is slow: 10 mm/s of the Sphe.I.Ro."
+    )
     parser.add_argument("--temperature", action="store_true", help="log the motors' temperature too")
-    parser.add_argument("--robot", required=True, metavar="FOLDER", help="machine folder, of kind spheiro")
+    parser.add_argument("--robot", required=True, metavar="FOLDER", help="machine folder, of kind spheiro or mujoco")
 
 
 def run(arguments):
@@ -33,21 +37,25 @@ def run(arguments):
     from gravcomp.prototype.imperfections import parse_effect
     from gravcomp.robot.machine import load_machine
 
-    if arguments.seed < 0 or not 0 <= arguments.noise < math.inf or not 0 < arguments.speed <= 100:
+    noise_is_wrong = arguments.noise is not None and not 0 <= arguments.noise < math.inf
+    if arguments.seed < 0 or noise_is_wrong or not 0 < arguments.speed <= 100:
         raise InputError("--seed and --noise must not be negative or infinite, --speed must be in 0..100; correct them")
     machine = load_machine(arguments.robot)
-    rng = np.random.default_rng([arguments.seed, 1])
-    effects = [effect for text in arguments.effect or ["none"] for effect in parse_effect(text, rng)]
+
+    def effects(engine, sizes):
+        rng = np.random.default_rng([arguments.seed, 1])
+        return [one for text in arguments.effect or ["none"] for one in parse_effect(text, rng, engine, sizes)]
+
     log = measure(
         machine,
         effects,
         arguments.points,
         arguments.seed,
         mode=arguments.mode,
-        noise_n=arguments.noise,
+        noise=arguments.noise,
         speed=arguments.speed,
     )
     facts = {name: getattr(arguments, name) for name in ("seed", "mode", "speed", "temperature")}
-    sealed = write_measurement(arguments.out, log, effects, machine, noise_n=arguments.noise, **facts)
+    sealed = write_measurement(arguments.out, log, machine, **facts)
     print(f"{arguments.out}: {arguments.points} samples, mode {arguments.mode}, seed {arguments.seed}")
     print(f"{sealed}: the answer; open it after the diagnosis")

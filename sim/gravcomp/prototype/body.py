@@ -10,21 +10,23 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gravcomp.errors import InputError, optional
-from gravcomp.robot.spheiro.kinematics import HOME_AXES, inverse_kinematics, passive_coordinates
+from gravcomp.prototype.engine import SERVO_PER_KG, STIFF_SOLIMP, STIFF_SOLREF, TIME_STEP_S, Engine
+from gravcomp.robot.spheiro.kinematics import (
+    HOME_AXES,
+    direct_kinematics,
+    inverse_kinematics,
+    passive_coordinates,
+)
 from gravcomp.robot.spheiro.parameters import RobotParameters
 
-TIME_STEP_S = 1e-3
 JOINTS_OF_LEG = ("carriage", "turn", "slide", "inner", "outer")
 # The fork is weightless in effect; armature on its hinges keeps the constraints well scaled and bears no weight.
 _FORK_MASS_KG = 1e-6
 _FORK_ARMATURE_KGM2 = 0.01
-# As stiff as the time step allows: a rigid weld gives way by some nanometres under the robot's weight.
-_STIFF = f'solref="{2 * TIME_STEP_S} 1" solimp="0.9999 0.9999 0.001 0.5 2"'
+_SOLREF, _SOLIMP = (" ".join(map(repr, values)) for values in (STIFF_SOLREF, STIFF_SOLIMP))
 # Servo with all three poles at one place, for the mass that a motor moves (16 to 21 kg over the workspace).
-_MOVED_KG, _SERVO_RAD_PER_S = 17.0, 30.0
-SERVO_KP_N_PER_M = 3 * _MOVED_KG * _SERVO_RAD_PER_S**2
-SERVO_KI_N_PER_MS = _MOVED_KG * _SERVO_RAD_PER_S**3
-SERVO_KD_NS_PER_M = 3 * _MOVED_KG * _SERVO_RAD_PER_S
+_MOVED_KG = 17.0
+SERVO_KP_N_PER_M, SERVO_KI_N_PER_MS, SERVO_KD_NS_PER_M = (_MOVED_KG * gain for gain in SERVO_PER_KG)
 
 
 def prototype_mjcf(p: RobotParameters) -> str:
@@ -33,7 +35,7 @@ def prototype_mjcf(p: RobotParameters) -> str:
         "".join(part(i, p) for i in range(3))
         for part in (
             _leg,
-            lambda i, p: f'<weld body1="platform" body2="fork{i + 1}" {_STIFF}/>',
+            lambda i, p: f'<weld body1="platform" body2="fork{i + 1}" solref="{_SOLREF}" solimp="{_SOLIMP}"/>',
             lambda i, p: f'<motor name="motor{i + 1}" joint="carriage{i + 1}"/>',
         )
     )
@@ -41,7 +43,7 @@ def prototype_mjcf(p: RobotParameters) -> str:
 <compiler angle="radian"/>
 <option timestep="{TIME_STEP_S}" gravity="{_text(p.gravity_mps2)}" integrator="implicitfast" tolerance="1e-12">
 <flag contact="disable"/></option>
-<default><joint solreffriction="{2 * TIME_STEP_S} 1" solimpfriction="0.9999 0.9999 0.001 0.5 2"/></default>
+<default><joint solreffriction="{_SOLREF}" solimpfriction="{_SOLIMP}"/></default>
 <worldbody>{legs}
 <body name="platform"><freejoint name="platform"/>{_inertial(p.platform_mass_kg, p.platform_com_m, p)}
 <body name="payload"/></body></worldbody>
@@ -75,8 +77,8 @@ def _text(vector) -> str:
     return " ".join(repr(float(v)) for v in vector)
 
 
-class Prototype:
-    """The robot in the physics engine. ``model`` and ``data`` are MuJoCo's; effects may change the model."""
+class Prototype(Engine):
+    """The Sphe.I.Ro. in the physics engine."""
 
     def __init__(self, p: RobotParameters):
         mujoco = optional("mujoco", "mujoco", "the prototype")  # an extra, because it costs more than all the rest
@@ -109,13 +111,20 @@ class Prototype:
             data.qvel[:] = np.linalg.solve(self._motors_and_closure(), np.concatenate([velocity_mps, np.zeros(18)]))
             self.mujoco.mj_forward(self.model, data)
 
-    def motor_positions(self) -> np.ndarray:
-        """q (3,), m, as the engine has it."""
-        return self.data.qpos[self.motor_dofs]
+    def place(self, q: np.ndarray, v: np.ndarray | None = None) -> None:
+        self.set_pose(direct_kinematics(q, self.parameters), v)
 
-    def closure_error(self) -> float:
-        """Largest violation of the welds that close the chain, m or rad."""
-        return float(np.abs(self.data.efc_pos[self._closure_rows()]).max())
+    def passive_dofs(self, unit: str) -> np.ndarray:
+        """Of the cylindrical joints and link 2; the hinges of the universal joints are not among them."""
+        return self.dofs({"m": "slide", "rad": "turn"}[unit])
+
+    def moved_mass(self) -> np.ndarray:
+        """The same at every pose: what the PID of the machine would be tuned for."""
+        return _MOVED_KG * np.eye(3)
+
+    def add_mass(self, mass_kg: float, place_m: np.ndarray) -> None:
+        self.model.body("payload").mass[:] = mass_kg
+        self.model.body("payload").ipos[:] = place_m
 
     def holding_forces_servo(self, rotation: np.ndarray, settle_s: float = 2.0) -> np.ndarray:
         """Motor forces (3,), N, after a PID servo has held the pose for settle_s; the engine does the mechanics.
@@ -137,26 +146,7 @@ class Prototype:
     def holding_forces_algebra(self, rotation: np.ndarray) -> np.ndarray:
         """Motor forces (3,), N, that hold a pose, from the engine's equilibrium, without any motion."""
         self.set_pose(rotation)
-        return self.equilibrium_forces()
-
-    def equilibrium_forces(self) -> np.ndarray:
-        """Motor forces (3,), N, that keep the robot as it is: at rest, or in slow motion against its friction.
-
-        S^T f + J_c^T lambda = weight - springs and dampers - applied forces + friction, with the constraint Jacobian
-        J_c: as many unknowns (3 motors, 18 constraint forces) as equations.
-        """
-        data = self.data
-        friction = self.model.dof_frictionloss * np.sign(data.qvel)
-        load = data.qfrc_bias - data.qfrc_passive - data.qfrc_applied + friction
-        return np.linalg.solve(self._motors_and_closure().T, load)[:3]
-
-    def _motors_and_closure(self) -> np.ndarray:
-        """S over J_c, square: maps all joint velocities to those of the motors and of the welds' violation."""
-        constraint = self.data.efc_J.reshape(-1, self.model.nv)[self._closure_rows()]
-        return np.vstack([np.eye(self.model.nv)[self.motor_dofs], constraint])
-
-    def _closure_rows(self) -> np.ndarray:
-        return self.data.efc_type == self.mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        return self.equilibrium_efforts()
 
 
 def _leg_coordinates(rotation: np.ndarray, p: RobotParameters) -> list[np.ndarray]:

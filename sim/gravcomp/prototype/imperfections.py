@@ -1,32 +1,48 @@
 """What the virtual prototype's physics can have and the analytic model lacks.
 
 Each effect acts where it would in the machine: on the engine's model (masses, springs, dampers, friction in joints),
-as a force on the carriages, on the encoder's reading, or on the current that the drive reports. Signs are chosen so
-that the measured effort is f_exp = f_model(q) + effect, with q as read and the effect as its class states it. SI units.
+as a force on the axes, on the encoder's reading, or on the current that the drive reports. Signs are chosen so that the
+measured effort is f_exp = f_model(q) + effect, with q as read and the effect as its class states it. SI units: efforts
+f in N of linear axes and N m of rotary ones, positions q in m and rad.
+
+Ranges are stated for the Sphe.I.Ro.; on another machine they follow its sizes.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gravcomp.errors import InputError
-from gravcomp.prototype.body import TIME_STEP_S, Prototype
+from gravcomp.prototype.body import Prototype
+from gravcomp.prototype.engine import TIME_STEP_S, Engine
+from gravcomp.prototype.sizes import SPHEIRO, Sizes
 
-N_AXES = 3
+# Powers of effort, position, mass and length.
+_DIMENSIONS = {
+    "": (0, 0, 0, 0), "f": (1, 0, 0, 0), "q": (0, 1, 0, 0), "f/q": (1, -1, 0, 0), "q/f": (-1, 1, 0, 0),
+    "f/q^2": (1, -2, 0, 0), "kg": (0, 0, 1, 0), "m": (0, 0, 0, 1), "kg m": (0, 0, 1, 1),
+}  # fmt: skip
 
 
 class Range(NamedTuple):
-    """From where a parameter is drawn: its size log-uniform in low..high, one of the signs; three values if per_axis.
+    """From where a parameter is drawn: its size log-uniform in low..high, in a unit, one of the signs.
 
-    Zero to zero: a parameter that is only used when it is given.
+    per: a value per "axis", per passive slide ("m") or hinge ("rad"), or one of the "machine". Zero to zero: a
+    parameter that is only used when it is given.
     """
 
     low: float
     high: float
-    per_axis: bool = True
+    unit: str = ""
+    per: str = "axis"
     signs: tuple[float, ...] = (1.0,)
+
+    def size(self, sizes: Sizes) -> np.ndarray | float:
+        """What low and high are multiplied with on a machine."""
+        return sizes.of(self.per, *_DIMENSIONS[self.unit])
 
 
 EITHER = (-1.0, 1.0)
@@ -35,18 +51,19 @@ NOT_DRAWN = Range(0.0, 0.0)
 
 @dataclass
 class State:
-    """What an effect may see of the prototype in one time step; arrays are (3,), one value per motor."""
+    """What an effect may see of the prototype in one time step; arrays are (n,), one value per axis: where it is, how
+    fast, what its motor exerts, what the model says that holds it."""
 
+    q: np.ndarray
+    v: np.ndarray
+    motor: np.ndarray
+    statics: np.ndarray
     t_s: float = 0.0
     temperature_c: float = 0.0
-    q_m: np.ndarray = field(default_factory=lambda: np.zeros(N_AXES))
-    v_mps: np.ndarray = field(default_factory=lambda: np.zeros(N_AXES))
-    motor_n: np.ndarray = field(default_factory=lambda: np.zeros(N_AXES))
-    statics_n: np.ndarray = field(default_factory=lambda: np.zeros(N_AXES))
 
 
 class Effect:
-    """One effect; parameters become attributes, (3,) arrays where they are per axis.
+    """One effect on a machine of given sizes; parameters become attributes, arrays where they are per axis or joint.
 
     A parameter that isn't given takes the geometric middle of its range. ``name`` for all axes, ``name1`` for one.
     Raises InputError for a parameter that the effect doesn't have or a value that isn't finite.
@@ -56,11 +73,13 @@ class Effect:
     on_list: ClassVar[bool] = True  # does the diagnosis' vocabulary have it?
     ranges: ClassVar[dict[str, Range]] = {}
 
-    def __init__(self, **given: float):
+    def __init__(self, sizes: Sizes = SPHEIRO, /, **given: float):
+        self.sizes = sizes
         for name, span in self.ranges.items():
-            middle = span.signs[-1] * np.sqrt(span.low * span.high)
-            value = np.full(N_AXES, given.pop(name, middle)) if span.per_axis else given.pop(name, middle)
-            for axis in range(N_AXES) if span.per_axis else ():
+            middle = span.signs[-1] * np.sqrt(span.low * span.high) * span.size(sizes)
+            count = sizes.count(span.per)
+            value = np.full(count, given.pop(name, middle)) if count else given.pop(name, middle)
+            for axis in range(count):
                 value[axis] = given.pop(f"{name}{axis + 1}", value[axis])
             if not np.all(np.isfinite(value)):
                 raise InputError(f"--effect {self.name}: {name} = {value} is not a finite number; give one")
@@ -70,56 +89,62 @@ class Effect:
             raise InputError(f"--effect {self.name}: unknown parameter {next(iter(given))}; it has {known}")
 
     @classmethod
-    def draw(cls, rng: np.random.Generator) -> "Effect":
-        """An effect of random size; the axes differ by up to 30 %."""
+    def is_of(cls, engine: Engine, sizes: Sizes) -> bool:
+        """Can a machine have it?"""
+        return True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, sizes: Sizes = SPHEIRO, **given) -> "Effect":
+        """An effect of random size; the axes differ by up to 30 %. given: parameters that are not drawn."""
         drawn = {}
         for name, span in cls.ranges.items():
-            if span.high == 0.0:
+            count = sizes.count(span.per)
+            if span.high == 0.0 or (span.per in sizes.n_passive and not count):
                 continue
             size = np.exp(rng.uniform(np.log(span.low), np.log(span.high)))
-            values = size * (rng.uniform(0.7, 1.3, N_AXES) if span.per_axis else np.ones(1))
-            values = values * rng.choice(span.signs, values.size)
-            suffixes = ("1", "2", "3") if span.per_axis else ("",)
+            values = size * (rng.uniform(0.7, 1.3, count) if count else np.ones(1))
+            values = values * rng.choice(span.signs, values.size) * span.size(sizes)
+            suffixes = [str(k + 1) for k in range(count)] or [""]
             drawn |= {f"{name}{suffix}": float(v) for suffix, v in zip(suffixes, values, strict=True)}
-        return cls(**drawn)
+        return cls(sizes, **drawn, **given)
 
     def parameters(self) -> dict:
         """Parameters as plain numbers and lists."""
         return {name: np.asarray(getattr(self, name)).tolist() for name in self.ranges}
 
-    def install(self, robot: Prototype) -> None:
+    def install(self, robot: Engine) -> None:
         """Change the engine's model, once."""
 
     def reset(self, state: State) -> None:
         """The robot is put somewhere else, after long travel with this velocity."""
 
-    def friction_n(self, state: State):
-        """Coulomb friction level of the carriages in this state, N."""
+    def friction(self, state: State):
+        """Coulomb friction level of the axes in this state."""
         return 0.0
 
-    def force_n(self, state: State):
-        """Force on the carriages, N, positive along +q."""
+    def force(self, state: State):
+        """Effort on the axes, positive along +q."""
         return 0.0
 
-    def shift_m(self, state: State):
-        """What the encoders read minus where the carriages are, m."""
+    def shift(self, state: State):
+        """What the encoders read minus where the axes are."""
         return 0.0
 
-    def effort_n(self, effort_n: np.ndarray, state: State) -> np.ndarray:
-        """What the drive reports, N, for what the motors exert."""
-        return effort_n
+    def reported(self, effort: np.ndarray, state: State) -> np.ndarray:
+        """What the drive reports for what the motors exert."""
+        return effort
 
 
 class CoulombFriction(Effect):
     """fc sign(v) on the carriages; ``skew`` adds to it in the positive direction and takes away in the negative."""
 
     name = "coulomb_friction"
-    ranges: ClassVar = {"fc": Range(0.4, 4.0), "skew": NOT_DRAWN}
+    ranges: ClassVar = {"fc": Range(0.4, 4.0, "f"), "skew": NOT_DRAWN}
 
     def install(self, robot):
         robot.model.dof_frictionloss[robot.motor_dofs] += self.fc
 
-    def force_n(self, state):
+    def force(self, state):
         return -self.skew
 
 
@@ -127,7 +152,7 @@ class ViscousFriction(Effect):
     """b v."""
 
     name = "viscous_friction"
-    ranges: ClassVar = {"b": Range(60.0, 400.0)}
+    ranges: ClassVar = {"b": Range(60.0, 400.0, "f/q")}
 
     def install(self, robot):
         robot.model.dof_damping[robot.motor_dofs] += self.b
@@ -137,21 +162,29 @@ class StribeckFriction(Effect):
     """(fc + (fs - fc) exp(-(v/vs)^2)) sign(v)."""
 
     name = "stribeck_friction"
-    ranges: ClassVar = {"fc": Range(0.6, 2.0), "fs": Range(2.5, 5.0), "vs": Range(0.002, 0.005, per_axis=False)}
+    ranges: ClassVar = {
+        "fc": Range(0.6, 2.0, "f"),
+        "fs": Range(2.5, 5.0, "f"),
+        "vs": Range(0.002, 0.005, "q", per="machine"),
+    }
 
-    def friction_n(self, state):
-        return self.fc + (self.fs - self.fc) * np.exp(-((state.v_mps / self.vs) ** 2))
+    def friction(self, state):
+        return self.fc + (self.fs - self.fc) * np.exp(-((state.v / self.vs) ** 2))
 
 
 class PassiveJointFriction(Effect):
     """Friction in the passive joints: fc_b of the prismatic pairs, N, and fc_phi of the turning pairs, N m."""
 
     name = "passive_joint_friction"
-    ranges: ClassVar = {"fc_b": Range(0.8, 4.0), "fc_phi": Range(0.05, 0.3)}
+    ranges: ClassVar = {"fc_b": Range(0.8, 4.0, "f", "m"), "fc_phi": Range(0.05, 0.3, "f", "rad")}
+
+    @classmethod
+    def is_of(cls, engine, sizes):
+        return any(sizes.n_passive.values())
 
     def install(self, robot):
-        robot.model.dof_frictionloss[robot.dofs("slide")] += self.fc_b
-        robot.model.dof_frictionloss[robot.dofs("turn")] += self.fc_phi
+        robot.model.dof_frictionloss[robot.passive_dofs("m")] += self.fc_b
+        robot.model.dof_frictionloss[robot.passive_dofs("rad")] += self.fc_phi
 
 
 class LoadDependentFriction(Effect):
@@ -160,23 +193,23 @@ class LoadDependentFriction(Effect):
     name = "load_dependent_friction"
     ranges: ClassVar = {"mu": Range(0.01, 0.06)}
 
-    def friction_n(self, state):
-        return self.mu * np.abs(state.statics_n)
+    def friction(self, state):
+        return self.mu * np.abs(state.statics)
 
 
 class Backlash(Effect):
     """f_model(q - gap/2 sign(v)) - f_model(q): the encoder, on the motor's side, leads by half the gap."""
 
     name = "backlash"
-    ranges: ClassVar = {"gap": Range(0.0015, 0.004)}
+    ranges: ClassVar = {"gap": Range(0.0015, 0.004, "q")}
 
     def reset(self, state):
-        self._last_m, self._lead_m = state.q_m, np.sign(state.v_mps) * self.gap / 2
+        self._last, self._lead = state.q, np.sign(state.v) * self.gap / 2
 
-    def shift_m(self, state):
-        self._lead_m = np.clip(self._lead_m + state.q_m - self._last_m, -self.gap / 2, self.gap / 2)
-        self._last_m = state.q_m
-        return self._lead_m
+    def shift(self, state):
+        self._lead = np.clip(self._lead + state.q - self._last, -self.gap / 2, self.gap / 2)
+        self._last = state.q
+        return self._lead
 
 
 class Cogging(Effect):
@@ -184,37 +217,36 @@ class Cogging(Effect):
 
     name = "cogging"
     ranges: ClassVar = {
-        "a": Range(0.4, 3.0),
-        "a_second": Range(0.1, 0.5),
+        "a": Range(0.4, 3.0, "f"),
+        "a_second": Range(0.1, 0.5, "f"),
         "phase": Range(0.5, 6.0),
         "phase_second": Range(0.5, 6.0),
-        "pitch": Range(0.016, 0.048, per_axis=False),
+        "pitch": Range(0.016, 0.048, "q", per="machine"),
     }
 
-    def force_n(self, state):
-        turn = 2 * np.pi * state.q_m / self.pitch
+    def force(self, state):
+        turn = 2 * np.pi * state.q / self.pitch
         return -self.a * np.sin(turn + self.phase) - self.a_second * np.sin(2 * turn + self.phase_second)
 
 
 class Payload(Effect):
-    """A mass m, kg, at (x, y, z), m, of the platform frame."""
+    """A mass m, kg, at (x, y, z), m, in the frame of the body that takes a payload, of the Sphe.I.Ro. the platform."""
 
     name = "payload"
     ranges: ClassVar = {
-        "m": Range(0.3, 2.0, per_axis=False),
-        **{axis: Range(0.02, 0.12, per_axis=False, signs=EITHER) for axis in "xyz"},
+        "m": Range(0.3, 2.0, "kg", per="machine"),
+        **{axis: Range(0.02, 0.12, "m", "machine", EITHER) for axis in "xyz"},
     }
 
     def install(self, robot):
-        robot.model.body("payload").mass[:] = self.m
-        robot.model.body("payload").ipos[:] = (self.x, self.y, self.z)
+        robot.add_mass(self.m, np.array([self.x, self.y, self.z]))
 
 
 class BaseTilt(Effect):
     """The base, and so gravity as it sees it, turned by small angles about x, y, z of the base."""
 
     name = "base_tilt"
-    ranges: ClassVar = {f"{axis}_deg": Range(0.3, 2.0, per_axis=False, signs=EITHER) for axis in "xyz"}
+    ranges: ClassVar = {f"{axis}_deg": Range(0.3, 2.0, per="machine", signs=EITHER) for axis in "xyz"}
 
     def install(self, robot):
         turn = Rotation.from_rotvec([self.x_deg, self.y_deg, self.z_deg], degrees=True)
@@ -227,17 +259,17 @@ class ThrustConstant(Effect):
     name = "thrust_constant"
     ranges: ClassVar = {"gain": Range(0.005, 0.06, signs=EITHER)}
 
-    def effort_n(self, effort_n, state):
-        return (1.0 + self.gain) * effort_n
+    def reported(self, effort, state):
+        return (1.0 + self.gain) * effort
 
 
 class EncoderOffset(Effect):
     """f_model(q + offset) - f_model(q): the carriage is at the reading plus the offset."""
 
     name = "encoder_offset"
-    ranges: ClassVar = {"offset": Range(0.001, 0.004, signs=EITHER)}
+    ranges: ClassVar = {"offset": Range(0.001, 0.004, "q", signs=EITHER)}
 
-    def shift_m(self, state):
+    def shift(self, state):
         return -self.offset
 
 
@@ -245,34 +277,34 @@ class CurrentOffset(Effect):
     """o."""
 
     name = "current_offset"
-    ranges: ClassVar = {"o": Range(0.2, 3.0, signs=EITHER)}
+    ranges: ClassVar = {"o": Range(0.2, 3.0, "f", signs=EITHER)}
 
-    def effort_n(self, effort_n, state):
-        return effort_n + self.o
+    def reported(self, effort, state):
+        return effort + self.o
 
 
 class CableSpring(Effect):
     """k (q - q0)."""
 
     name = "cable_spring"
-    ranges: ClassVar = {"k": Range(6.0, 60.0), "q0": Range(0.01, 0.06, signs=EITHER)}
+    ranges: ClassVar = {"k": Range(6.0, 60.0, "f/q"), "q0": Range(0.01, 0.06, "q", signs=EITHER)}
 
-    def force_n(self, state):
-        return -self.k * (state.q_m - self.q0)
+    def force(self, state):
+        return -self.k * (state.q - self.q0)
 
 
 class LinkCompliance(Effect):
     """f_model(q + c f) - f_model(q); c, m/N, is negative, as what is pushed gives way."""
 
     name = "link_compliance"
-    ranges: ClassVar = {"c": Range(1.2e-5, 3e-5, signs=(-1.0,))}
+    ranges: ClassVar = {"c": Range(1.2e-5, 3e-5, "q/f", signs=(-1.0,))}
 
     def reset(self, state):
-        self._force_n = state.motor_n
+        self._force = state.motor
 
-    def shift_m(self, state):
-        self._force_n = self._force_n + 0.05 * (state.motor_n - self._force_n)  # bending takes some 20 ms
-        return -self.c * self._force_n
+    def shift(self, state):
+        self._force = self._force + 0.05 * (state.motor - self._force)  # bending takes some 20 ms
+        return -self.c * self._force
 
 
 class ThermalDrift(Effect):
@@ -280,21 +312,21 @@ class ThermalDrift(Effect):
 
     name = "thermal_drift"
     ranges: ClassVar = {
-        "gain": Range(0.02, 0.1, per_axis=False, signs=EITHER),
-        "tau_s": Range(150.0, 1000.0, per_axis=False),
-        "gain_per_k": NOT_DRAWN._replace(per_axis=False),
+        "gain": Range(0.02, 0.1, per="machine", signs=EITHER),
+        "tau_s": Range(150.0, 1000.0, per="machine"),
+        "gain_per_k": NOT_DRAWN._replace(per="machine"),
     }
 
-    def effort_n(self, effort_n, state):
+    def reported(self, effort, state):
         warm = self.gain * (1.0 - np.exp(-state.t_s / self.tau_s)) + self.gain_per_k * (state.temperature_c - 22.0)
-        return (1.0 + warm) * effort_n
+        return (1.0 + warm) * effort
 
 
 class Inertia(Effect):
     """A mass m, kg, more on each carriage, carried by a counterweight; slow motion hides it."""
 
     name = "inertia"
-    ranges: ClassVar = {"m": Range(2.0, 20.0)}
+    ranges: ClassVar = {"m": Range(2.0, 20.0, "f/q")}
 
     def install(self, robot):
         robot.model.dof_armature[robot.motor_dofs] += self.m
@@ -304,16 +336,38 @@ class PreslidingHysteresis(Effect):
     """Dahl friction: dF/dq = (fc/travel)(1 - F sign(v)/fc)."""
 
     name = "presliding_hysteresis"
-    ranges: ClassVar = {"fc": Range(0.6, 3.0), "travel": Range(0.002, 0.006, per_axis=False)}
+    ranges: ClassVar = {"fc": Range(0.6, 3.0, "f"), "travel": Range(0.002, 0.006, "q", per="machine")}
 
     def reset(self, state):
-        self._friction_n = self.fc * np.sign(state.v_mps)
+        self._friction = self.fc * np.sign(state.v)
 
-    def force_n(self, state):
-        step = state.v_mps * TIME_STEP_S
+    def force(self, state):
+        step = state.v * TIME_STEP_S
         limit = self.fc * np.sign(step)
-        self._friction_n = limit + (self._friction_n - limit) * np.exp(-np.abs(step) / self.travel)
-        return -self._friction_n
+        self._friction = limit + (self._friction - limit) * np.exp(-np.abs(step) / self.travel)
+        return -self._friction
+
+
+class BodyMoment(Effect):
+    """A first moment (x, y, z), kg m, in the frame of a body: its mass is not where the model has it."""
+
+    name = "body_moment"
+    ranges: ClassVar = {axis: Range(0.02, 0.2, "kg m", "machine", EITHER) for axis in "xyz"}
+
+    def __init__(self, sizes: Sizes = SPHEIRO, /, body: str = "", **given: float):
+        super().__init__(sizes, **given)
+        self.body = body
+
+    @classmethod
+    def is_of(cls, engine, sizes):
+        return bool(engine.heavy_bodies)
+
+    def parameters(self):
+        return {"body": self.body, **super().parameters()}
+
+    def install(self, robot):
+        self.body = self.body or robot.heavy_bodies[-1]
+        robot.add_moment(self.body, np.array([self.x, self.y, self.z]))
 
 
 class SoftStop(Effect):
@@ -321,10 +375,10 @@ class SoftStop(Effect):
 
     name = "soft_stop"
     on_list = False
-    ranges: ClassVar = {"k": Range(600.0, 3000.0), "q0": Range(0.03, 0.07)}
+    ranges: ClassVar = {"k": Range(600.0, 3000.0, "f/q^2"), "q0": Range(0.03, 0.07, "q")}
 
-    def force_n(self, state):
-        return -self.k * np.maximum(state.q_m - self.q0, 0.0) ** 2
+    def force(self, state):
+        return -self.k * np.maximum(state.q - self.q0, 0.0) ** 2
 
 
 class FrictionBump(Effect):
@@ -332,10 +386,14 @@ class FrictionBump(Effect):
 
     name = "friction_bump"
     on_list = False
-    ranges: ClassVar = {"fc": Range(1.5, 6.0), "q0": Range(0.005, 0.05, signs=EITHER), "width": Range(0.01, 0.03)}
+    ranges: ClassVar = {
+        "fc": Range(1.5, 6.0, "f"),
+        "q0": Range(0.005, 0.05, "q", signs=EITHER),
+        "width": Range(0.01, 0.03, "q"),
+    }
 
-    def friction_n(self, state):
-        return self.fc * np.exp(-(((state.q_m - self.q0) / self.width) ** 2))
+    def friction(self, state):
+        return self.fc * np.exp(-(((state.q - self.q0) / self.width) ** 2))
 
 
 class CurrentCrosstalk(Effect):
@@ -345,8 +403,8 @@ class CurrentCrosstalk(Effect):
     on_list = False
     ranges: ClassVar = {"c": Range(0.01, 0.06, signs=EITHER)}
 
-    def effort_n(self, effort_n, state):
-        return effort_n + self.c * np.roll(effort_n, -1)
+    def reported(self, effort, state):
+        return effort + self.c * self.sizes.effort * np.roll(effort / self.sizes.effort, -1)
 
 
 class MagneticSaturation(Effect):
@@ -354,10 +412,10 @@ class MagneticSaturation(Effect):
 
     name = "magnetic_saturation"
     on_list = False
-    ranges: ClassVar = {"f_sat": Range(250.0, 600.0)}
+    ranges: ClassVar = {"f_sat": Range(250.0, 600.0, "f")}
 
-    def effort_n(self, effort_n, state):
-        return effort_n * (1.0 + (effort_n / self.f_sat) ** 2)
+    def reported(self, effort, state):
+        return effort * (1.0 + (effort / self.f_sat) ** 2)
 
 
 class PeriodicDisturbance(Effect):
@@ -365,10 +423,10 @@ class PeriodicDisturbance(Effect):
 
     name = "periodic_disturbance"
     on_list = False
-    ranges: ClassVar = {"a": Range(0.4, 2.0), "period_s": Range(15.0, 60.0, per_axis=False)}
+    ranges: ClassVar = {"a": Range(0.4, 2.0, "f"), "period_s": Range(15.0, 60.0, per="machine")}
 
-    def effort_n(self, effort_n, state):
-        return effort_n + self.a * np.sin(2 * np.pi * state.t_s / self.period_s)
+    def reported(self, effort, state):
+        return effort + self.a * np.sin(2 * np.pi * state.t_s / self.period_s)
 
 
 class StepChange(Effect):
@@ -376,10 +434,10 @@ class StepChange(Effect):
 
     name = "step_change"
     on_list = False
-    ranges: ClassVar = {"a": Range(0.4, 3.0, signs=EITHER), "t0_s": Range(100.0, 600.0, per_axis=False)}
+    ranges: ClassVar = {"a": Range(0.4, 3.0, "f", signs=EITHER), "t0_s": Range(100.0, 600.0, per="machine")}
 
-    def effort_n(self, effort_n, state):
-        return effort_n + self.a * (state.t_s > self.t0_s)
+    def reported(self, effort, state):
+        return effort + self.a * (state.t_s > self.t0_s)
 
 
 class UniversalJointFriction(Effect):
@@ -388,6 +446,10 @@ class UniversalJointFriction(Effect):
     name = "universal_joint_friction"
     on_list = False
     ranges: ClassVar = {"fc": Range(0.1, 0.5)}
+
+    @classmethod
+    def is_of(cls, engine, sizes):
+        return isinstance(engine, Prototype)
 
     def install(self, robot):
         for joint in ("inner", "outer"):
@@ -401,6 +463,10 @@ class PlatformHose(Effect):
     on_list = False
     ranges: ClassVar = {"k": Range(0.3, 2.0)}
 
+    @classmethod
+    def is_of(cls, engine, sizes):
+        return isinstance(engine, Prototype)
+
     def install(self, robot):
         robot.model.jnt_stiffness[robot.dofs("outer")] += self.k
 
@@ -412,23 +478,44 @@ UNLISTED = [name for name, effect in EFFECTS.items() if not effect.on_list]
 _RANDOM = {"random": [name for name in LISTED if name != "inertia"], "random_unlisted": UNLISTED}
 
 
-def parse_effect(text: str, rng: np.random.Generator) -> list[Effect]:
+def drawable(names: Sequence[str], engine: Engine, sizes: Sizes) -> list[str]:
+    """Those of the effects by name that a machine can have."""
+    return [name for name in names if EFFECTS[name].is_of(engine, sizes)]
+
+
+def drawn(name: str, rng: np.random.Generator, engine: Engine, sizes: Sizes) -> Effect:
+    """The effect of a name, of random size, on a random body if it is of one."""
+    given = {"body": str(rng.choice(engine.heavy_bodies))} if name == BodyMoment.name else {}
+    return EFFECTS[name].draw(rng, sizes, **given)
+
+
+def parse_effect(text: str, rng: np.random.Generator, engine: Engine, sizes: Sizes) -> list[Effect]:
     """Effects named by one --effect: none, one drawn at random, or one by name and parameters. Raises InputError."""
     name, _, settings = text.partition(":")
     if name == "none":
         return []
     if name in _RANDOM:
-        return [EFFECTS[str(rng.choice(_RANDOM[name]))].draw(rng)]
+        return [drawn(str(rng.choice(drawable(_RANDOM[name], engine, sizes))), rng, engine, sizes)]
     if name not in EFFECTS:
         raise InputError(f"--effect {name}: not known; give one of none, {', '.join([*_RANDOM, *EFFECTS])}")
+    if not EFFECTS[name].is_of(engine, sizes):
+        known = ", ".join(drawable(list(EFFECTS), engine, sizes))
+        raise InputError(f"--effect {name}: this machine has nothing for it to act on; give one of {known}")
+    return [EFFECTS[name](sizes, **_settings(name, settings))]
+
+
+def _settings(name: str, text: str) -> dict:
     given = {}
-    for setting in filter(None, settings.split(",")):
+    for setting in filter(None, text.split(",")):
         parameter, _, value = setting.partition("=")
+        if name == BodyMoment.name and parameter == "body":
+            given[parameter] = value
+            continue
         try:
             given[parameter] = float(value)
         except ValueError:
             raise InputError(f"--effect {name}: {setting!r} is not PARAM=NUMBER; correct it") from None
-    return [EFFECTS[name](**given)]
+    return given
 
 
 def field_effects() -> list[Effect]:

@@ -1,10 +1,11 @@
-"""Blind data of the virtual prototype: effects drawn by seed, a CSV for the diagnosis, the answer in a sealed file.
+"""Blind data of virtual prototypes: effects drawn by seed, a CSV for the diagnosis, the answer in a sealed file.
 
 Cases as in ``blind``, of one to several times the noise. Modes: holds, slow motion, both. A log that exists already
 isn't measured again.
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,9 +14,11 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
-from gravcomp.prototype import DEFAULT_NOISE_N, MODES
+from gravcomp.prototype import MODES
+from gravcomp.prototype.engine import Engine
 from gravcomp.prototype.experiment import measure, write_measurement
-from gravcomp.prototype.imperfections import EFFECTS, LISTED, UNLISTED, Effect
+from gravcomp.prototype.imperfections import LISTED, UNLISTED, Effect, drawable, drawn
+from gravcomp.prototype.sizes import Sizes
 from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT
 from gravcomp_lab.shipped import shipped_machine
 
@@ -28,55 +31,70 @@ _TRIES = 20
 
 @dataclass(frozen=True)
 class Answer:
-    """What was put into a log: names of the effects, their RMS beyond the statics, N, the effort without noise."""
+    """What was put into a log of n rows and k axes: names of the effects, their RMS beyond the statics in parts of the
+    noise, the effort (n, k) without noise, N or N m, and the noise (k,), RMS.
+    """
 
     names: tuple[str, ...]
-    effect_rms_n: float
-    effort_n: np.ndarray
+    size: float
+    effort: np.ndarray
+    noise: np.ndarray
     mode: str
 
 
-def measure_case(folder: Path, kind: str, seed: int) -> Path:
-    """Draw and measure one case; returns the CSV's path, the sealed answer lies beside it."""
-    path = folder / f"{kind}_{seed}.csv"
+def measure_case(folder: Path, kind: str, seed: int, machine: str = "spheiro") -> Path:
+    """Draw and measure one case on a shipped machine; returns the CSV's path, the sealed answer lies beside it."""
+    path = folder / (f"{kind}_{seed}.csv" if machine == "spheiro" else f"{machine}_{kind}_{seed}.csv")
     if path.exists() and path.with_suffix(".sealed.json").exists():
         return path
-    machine = shipped_machine()
+    robot = shipped_machine(machine)
     rng = np.random.default_rng([CASES.index(kind), seed, 7])
     mode = str(rng.choice(MODES))
     for _ in range(_TRIES):
-        effects = _draw(kind, mode, rng)
         try:
-            log = measure(machine, effects, POINTS[mode], seed, mode=mode)
+            log = measure(robot, _draw(kind, mode, rng), POINTS[mode], seed, mode=mode)
         except InputError:  # too much for the PID, as it would be for the machine
             continue
-        if effects and np.sqrt(np.mean((log.effort_n - machine.robot.forces(log.q_m)) ** 2)) < DEFAULT_NOISE_N:
+        beyond = np.sqrt(np.mean((log.effort - robot.robot.forces(log.q)) ** 2, axis=0))
+        if log.effects and _size(beyond, log.noise) < 1.0:
             continue
-        write_measurement(path, log, effects, machine, seed=seed, mode=mode, noise_n=DEFAULT_NOISE_N,
-                          effort_n=np.round(log.effort_n, 6).tolist())  # fmt: skip
+        write_measurement(path, log, robot, seed=seed, mode=mode, effort=np.round(log.effort, 6).tolist())
         return path
     raise InputError(f"{path}: none of {_TRIES} drawn sets of effects could be measured; take another seed")
 
 
-def read_case(path: Path) -> Measurement:
+def read_case(path: Path, machine: str = "spheiro") -> Measurement:
     """What the diagnosis gets to see."""
-    return read_measurement(path, shipped_machine())
+    return read_measurement(path, shipped_machine(machine))
 
 
 def open_seal(path: Path) -> Answer:
     """The answer to a log; only after its diagnosis."""
     content = json.loads(path.with_suffix(".sealed.json").read_text(encoding="utf-8"))
     names = tuple(effect["name"] for effect in content["effects"])
-    return Answer(names, content["effect_rms_n"], np.array(content["effort_n"]), content["mode"])
+    noise = np.array(content["noise"])
+    size = _size(np.array(content["effect_rms"]), noise)
+    return Answer(names, size, np.array(content["effort"]), noise, content["mode"])
 
 
-def _draw(kind: str, mode: str, rng: np.random.Generator) -> list[Effect]:
+def _size(effect: np.ndarray, noise: np.ndarray) -> float:
+    """RMS over the axes, each in parts of its noise."""
+    return float(np.sqrt(np.mean((effect / noise) ** 2)))
+
+
+def _draw(kind: str, mode: str, rng: np.random.Generator):
+    """Imperfections for the machine that is then in the engine."""
     count = {"listed": 1, "pair": 2, "clean": 0, "unlisted": 1}[kind]
     pool = [name for name in DRAWN if mode != "static" or name not in NOT_IN_HOLDS]
-    while True:
-        names = rng.choice(UNLISTED if kind == "unlisted" else pool, count, replace=False)
-        if not any(len(same.intersection(names)) > 1 for same in ONE_EFFECT):
-            return [EFFECTS[str(name)].draw(rng) for name in names]
+
+    def effects(engine: Engine, sizes: Sizes) -> Sequence[Effect]:
+        own = drawable(UNLISTED if kind == "unlisted" else pool, engine, sizes)
+        while True:
+            names = rng.choice(own, count, replace=False)
+            if not any(len(same.intersection(names)) > 1 for same in ONE_EFFECT):
+                return [drawn(str(name), rng, engine, sizes) for name in names]
+
+    return effects
 
 
 # What the first driver must be a function of: position, its own or another axis' force, direction, time.

@@ -18,7 +18,8 @@ from gravcomp.prototype.imperfections import UNLISTED
 from gravcomp_lab.blind import from_model, from_prototype
 
 AFTER_LIMIT = 1.05  # after-error over the noise of the same held-out samples
-SOURCES = ("model", "prototype")
+ARMS = ("arm2", "ur5")  # machines whose prototypes are measured beside the Sphe.I.Ro.'s
+SOURCES = ("model", "prototype", *ARMS)
 
 
 @dataclass(frozen=True)
@@ -65,15 +66,15 @@ def run_model_case(kind: str, seed: int) -> Outcome:
     return _outcome("model", kind, seed, case.truth, case.machine, case.ratio, found, content, case.noise, is_right)
 
 
-def run_prototype_case(folder: Path, kind: str, seed: int) -> Outcome:
-    """Measure the virtual prototype, diagnose the CSV, open the sealed file."""
-    path = from_prototype.measure_case(folder, kind, seed)
-    found, content = _diagnose(from_prototype.read_case(path))
+def run_prototype_case(folder: Path, kind: str, seed: int, machine: str = "spheiro") -> Outcome:
+    """Measure the virtual prototype of a shipped machine, diagnose the CSV, open the sealed file."""
+    path = from_prototype.measure_case(folder, kind, seed, machine)
+    found, content = _diagnose(from_prototype.read_case(path, machine))
     answer = from_prototype.open_seal(path)
-    noise = found.data.force - answer.effort_n
+    noise = found.data.force - answer.effort
     is_right = kind == "unlisted" and from_prototype.is_driver(answer, content["drivers"])
-    ratio = answer.effect_rms_n / float(np.sqrt(np.mean(noise**2)))
-    return _outcome("prototype", kind, seed, answer.names, answer.mode, ratio, found, content, noise, is_right)
+    source = machine if machine in ARMS else "prototype"
+    return _outcome(source, kind, seed, answer.names, answer.mode, answer.size, found, content, noise, is_right)
 
 
 def _diagnose(data) -> tuple[Diagnosis, dict]:
@@ -99,13 +100,21 @@ def _rms(x: np.ndarray) -> float:
     return float(np.sqrt(np.mean(x**2)))
 
 
-def run_all(sets: int, prototype_sets: int, first_seed: int, folder: Path, jobs: int,
+def run_all(sets: int, prototype_sets: int, arm_sets: int, first_seed: int, folder: Path, jobs: int,
             watch=lambda items, total: items) -> list[Outcome]:  # fmt: skip
-    """Outcomes of ``sets`` seeds of each kind from the model and ``prototype_sets`` from the prototype."""
+    """Outcomes of ``sets`` seeds of each kind from the model, ``prototype_sets`` from the prototype of the Sphe.I.Ro.,
+    ``arm_sets`` from that of each of ARMS.
+    """
     tasks = [joblib.delayed(run_model_case)(kind, first_seed + k) for kind in from_model.CASES for k in range(sets)]
     tasks += [
         joblib.delayed(run_prototype_case)(folder, kind, first_seed + k)
         for k in range(prototype_sets)
+        for kind in from_model.CASES
+    ]
+    tasks += [
+        joblib.delayed(run_prototype_case)(folder, kind, first_seed + k, arm)
+        for arm in ARMS
+        for k in range(arm_sets)
         for kind in from_model.CASES
     ]
     return list(watch(joblib.Parallel(n_jobs=jobs, return_as="generator")(tasks), len(tasks)))
@@ -140,6 +149,7 @@ def median_and_top(outcomes: list[Outcome], kind: str) -> tuple[float, float]:
     return (float(np.median(ratios)), float(np.quantile(ratios, 0.95))) if ratios else (np.nan, np.nan)
 
 
+_TITLES = {"model": "the model", "prototype": "the prototype", "arm2": "the two-axis arm", "ur5": "the UR5"}
 _ABOUT = {
     "model": "The analytic model with one effect of 1 to 5 times the noise (listed), two such (pair), none (clean), or "
     "one on no list\n(unlisted), on the built-in robot (120 to 3600 holds or samples of slow motion), a rotary arm and "
@@ -148,6 +158,8 @@ _ABOUT = {
     "prototype": "The virtual prototype of `gravcomp measure`, 300 holds, 800 samples of slow motion, or 175 holds and "
     "525 samples; noise\n0.1 N; effects at least as large. Friction at a reversal may hold any force up to its level, "
     "and the log can't tell which:\nthe row \"where the direction is known\" leaves those samples out.",
+    "arm2": "The arm of two axes, measured alike; noise 0.2 % of what an axis bears.",
+    "ur5": "The UR5, six axes, measured alike.",
 }  # fmt: skip
 
 
@@ -157,7 +169,7 @@ def markdown(outcomes: list[Outcome], first_seed: int, command: str) -> str:
     for source in SOURCES:
         own = [o for o in outcomes if o.source == source]
         if own:
-            lines += ["", f"## Data of the {source}", "", _ABOUT[source], "", *_section(own), "",
+            lines += ["", f"## Data of {_TITLES[source]}", "", _ABOUT[source], "", *_section(own), "",
                       f"![confusion matrix](figures/blind_{source}.png)"]  # fmt: skip
     lines += [
         "", "## Misses", "",
@@ -186,7 +198,7 @@ def _section(outcomes: list[Outcome]) -> list[str]:
 
 def confusion_png(outcomes: list[Outcome]) -> bytes:
     """Truth by row, first wrong or only name by column; counts. A set of two effects counts in two rows."""
-    unlisted = UNLISTED if any(o.source == "prototype" for o in outcomes) else from_model.UNLISTED
+    unlisted = UNLISTED if any(o.source != "model" for o in outcomes) else from_model.UNLISTED
     rows, columns = [*NAMES, *unlisted, "(clean)"], [*NAMES, "(no name)"]
     counts = Counter((truth, _cell(o, truth)) for o in outcomes for truth in o.truth or ("(clean)",))
     grid = np.array([[counts[row, column] for column in columns] for row in rows], dtype=float)

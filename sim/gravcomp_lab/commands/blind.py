@@ -14,6 +14,7 @@ from gravcomp_lab.blind import seed_of_commit, tally
 def add_arguments(parser):
     parser.add_argument("--sets", type=int, default=60, help="seeds of each kind from the model (default 60)")
     parser.add_argument("--prototype-sets", type=int, default=20, help="of each kind from the prototype (default 20)")
+    parser.add_argument("--arm-sets", type=int, default=5, help="of each kind from each arm's prototype (default 5)")
     parser.add_argument("--first-seed", type=int, help="first seed (default: the commit's hash, first 7 digits)")
     parser.add_argument("--work", type=Path, default=Path("build/blind"), help="folder for the prototype's logs")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
@@ -23,18 +24,18 @@ def add_arguments(parser):
 def run(arguments):
     first_seed = seed_of_commit() if arguments.first_seed is None else arguments.first_seed
     watch = lambda items, total: tqdm(items, total=total, desc="blind", delay=2)  # noqa: E731
-    outcomes = tally.run_all(arguments.sets, arguments.prototype_sets, first_seed, arguments.work,
+    outcomes = tally.run_all(arguments.sets, arguments.prototype_sets, arguments.arm_sets, first_seed, arguments.work,
                              arguments.jobs, watch)  # fmt: skip
     by_source = {source: [o for o in outcomes if o.source == source] for source in tally.SOURCES}
     for source, own in by_source.items():
-        print(f"data of the {source}, seeds from {first_seed} on")
+        print(f"data of {source}, seeds from {first_seed} on")
         for what, value, target, n in tally.summary(own):
             print(f"  {what:48s}{value:7.1f} %  target {target:6s} ({n} sets)")
         print("  after-error over noise, listed, direction known: median {:.3f}, 95th percentile {:.3f}".format(
             *tally.median_and_top(own, "listed")))  # fmt: skip
     if arguments.docs:
         command = (f"gravcomp-lab blind --sets {arguments.sets} --prototype-sets {arguments.prototype_sets} "
-                   f"--first-seed {first_seed}")  # fmt: skip
+                   f"--arm-sets {arguments.arm_sets} --first-seed {first_seed}")  # fmt: skip
         pictures = {arguments.docs / "figures" / f"blind_{source}.png": tally.confusion_png(own)
                     for source, own in by_source.items() if own}  # fmt: skip
         page = tally.markdown(outcomes, first_seed, command)

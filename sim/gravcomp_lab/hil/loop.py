@@ -15,7 +15,7 @@ from cocotb.utils import get_sim_time
 from tqdm import tqdm
 
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS
-from gravcomp.prototype.body import TIME_STEP_S
+from gravcomp.prototype.engine import TIME_STEP_S
 from gravcomp.simulation.measured import hand_over
 from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import pack, unpack

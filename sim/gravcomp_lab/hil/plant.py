@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from gravcomp.prototype.body import SERVO_KD_NS_PER_M, SERVO_KI_N_PER_MS, SERVO_KP_N_PER_M, TIME_STEP_S, Prototype
+from gravcomp.prototype.body import SERVO_KD_NS_PER_M, SERVO_KI_N_PER_MS, SERVO_KP_N_PER_M, Prototype
+from gravcomp.prototype.engine import TIME_STEP_S
 from gravcomp.robot.spheiro.kinematics import direct_kinematics
 from gravcomp.robot.spheiro.parameters import RobotParameters
 

@@ -8,7 +8,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from gravcomp.prototype.body import TIME_STEP_S
+from gravcomp.prototype.engine import TIME_STEP_S
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
 from gravcomp.robot.spheiro.parameters import RobotParameters
 from gravcomp.robot.spheiro.workspace import pose

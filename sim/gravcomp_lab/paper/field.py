@@ -11,10 +11,12 @@ from gravcomp.diagnosis.model import Model
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
 from gravcomp.prototype import DEFAULT_NOISE_N
-from gravcomp.prototype.experiment import Log, clear_sides, hold_poses, log_csv, measure
+from gravcomp.prototype.experiment import Log, as_log, hold, log_csv, measure
 from gravcomp.prototype.imperfections import field_effects
 from gravcomp.prototype.plant import Plant
+from gravcomp.prototype.travel import travel_of, turning_rates
 from gravcomp.robot.machine import Machine
+from gravcomp.robot.spheiro.kinematics import inverse_kinematics
 from gravcomp.robot.spheiro.robot import spheiro_of
 
 APPROACHES = ("random", "outward")
@@ -26,16 +28,15 @@ def hold_field(machine: Machine, poses: np.ndarray, approach: str, seed: int) ->
     Returns what a reader of the log sees, n rows.
     """
     rng = np.random.default_rng(seed)
-    sides = (
-        Rotation.from_matrix(poses).as_rotvec()
-        if approach == "outward"
-        else clear_sides(poses, spheiro_of(machine), rng)
-    )
+    p = spheiro_of(machine)
+    targets = inverse_kinematics(poses, p)
+    if approach == "outward":
+        rates = turning_rates(poses, Rotation.from_matrix(poses).as_rotvec(), p)
+    else:
+        rates = travel_of(machine).rates(targets, rng)
     with tqdm(total=len(poses), desc=f"holds, approach {approach}", delay=2.0, unit="pose") as progress:
-        samples = hold_poses(Plant(machine, field_effects()), poses, sides, progress)
-    t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))
-    current = (effort + DEFAULT_NOISE_N * rng.standard_normal(effort.shape)) / machine.drive.effort_per_ampere
-    return _as_read(Log(t, q, v, current, temperature, effort), machine)
+        samples = hold(Plant(machine, field_effects()), targets, rates, progress)
+    return _as_read(as_log(samples, machine, np.full(3, DEFAULT_NOISE_N), rng), machine)
 
 
 def move_field(machine: Machine, n_samples: int, seed: int) -> Measurement:
@@ -61,5 +62,5 @@ def _as_read(log: Log, machine: Machine) -> Measurement:
     """The log through its CSV, so that nothing but that reaches a fit."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "field.csv"
-        path.write_text(log_csv(log), encoding="utf-8")
+        path.write_text(log_csv(log, machine), encoding="utf-8")
         return read_measurement(path, machine)

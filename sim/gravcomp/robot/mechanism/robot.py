@@ -90,6 +90,15 @@ class Mechanism:
         low, high = self.area.low, self.area.high
         return Bounds(low, high, low, high, *effort_bounds(self.forces, self.area))
 
+    def configurations(self, q: np.ndarray) -> Closed:
+        """All joints at positions q (N, n), and how the passive ones move with the axes. Raises PoseError."""
+        return self._closed(self._checked(q))
+
+    @property
+    def moving_dofs(self) -> np.ndarray:
+        """Degrees of freedom of the axes, then those that loops tie to them."""
+        return self.axes
+
     @property
     def gravity_direction(self) -> np.ndarray:
         return self.gravity_mps2 / np.linalg.norm(self.gravity_mps2)
@@ -100,7 +109,7 @@ class Mechanism:
     @cached_property
     def _moved_bodies(self) -> list[int]:
         """Bodies that an axis moves, from the base outward; that which takes a payload is last."""
-        moved = np.flatnonzero(self.tree.moves[self._moving_dofs].any(axis=0)).tolist()
+        moved = np.flatnonzero(self.tree.moves[self.moving_dofs].any(axis=0)).tolist()
         return [*(body for body in moved if body != self.last_body), self.last_body]
 
     @property
@@ -126,10 +135,6 @@ class Mechanism:
         turning = self.tree.turning_jacobian(placement, body)
         columns = np.cross(self.gravity_mps2, turning, axisb=1, axisc=2) @ -placement.rotation[body]
         return self._along_axes(columns, closed)
-
-    @property
-    def _moving_dofs(self) -> np.ndarray:
-        return self.axes
 
     def _closed(self, q: np.ndarray) -> Closed:
         qpos = np.repeat(self.reference[None], len(q), axis=0)
@@ -179,7 +184,7 @@ class ClosedMechanism(Mechanism):
         return rows, joints[rows]
 
     @property
-    def _moving_dofs(self) -> np.ndarray:
+    def moving_dofs(self) -> np.ndarray:
         return np.concatenate([self.axes, self.closure.passive])
 
     def _closed(self, q: np.ndarray) -> Closed:
@@ -296,7 +301,7 @@ def _check_floating(robot: Mechanism, where: str) -> None:
     """A body on a free joint must be held by loops."""
     m = robot.tree.model
     for joint in np.flatnonzero(m.jnt_type == FREE):
-        if m.jnt_dofadr[joint] not in robot._moving_dofs:
+        if m.jnt_dofadr[joint] not in robot.moving_dofs:
             body = robot.tree.bodies[m.jnt_bodyid[joint]]
             raise InputError(f"{where}: body {body!r} floats: no loop ties it to the axes; fix it, or close the loop")
 

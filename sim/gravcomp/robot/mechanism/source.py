@@ -1,10 +1,12 @@
 """A URDF or MJCF file, read by MuJoCo for what statics need: the tree of bodies, joints, masses, loops.
 
 Geometry isn't read: meshes need not be there. A body of an MJCF without <inertial> has the masses of its simple geoms,
-as in MuJoCo; a link of a URDF without <inertial> has none. Inertias aren't read either.
+as in MuJoCo; a link of a URDF without <inertial> has none. Inertias are read for the virtual prototype alone.
 """
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -23,20 +25,38 @@ def engine():
 
 
 def compile_model(path: Path):
-    """The mujoco.MjModel of a file, without its geometry. Raises InputError naming the file, and body or line."""
+    """The mujoco.MjModel of a file, for statics. Raises InputError naming the file, and body or line."""
+    return compiled(model_spec(path, with_inertia=False), path)
+
+
+def model_spec(path: Path, *, with_inertia: bool):
+    """The mujoco.MjSpec of a file without its geometry, with its bodies' inertias or not. Raises InputError."""
     mujoco = engine()
     if not path.is_file():
         raise InputError(f"{path}: not found; put the URDF or MJCF there, or correct [model] file")
     mujoco.set_mju_user_warning(lambda message: None)  # or the engine leaves a log file
-    try:
+    with _told(path):
         spec = mujoco.MjSpec.from_file(str(path))
-        _leave_statics(spec, path, mujoco)
+        _leave_mechanics(spec, path, mujoco, with_inertia)
+    return spec
+
+
+def compiled(spec, path: Path):
+    """The mujoco.MjModel of a spec read from path. Raises InputError."""
+    with _told(path):
         model = spec.compile()
+    _check_springs(path, model, engine())
+    return model
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """What MuJoCo says of a file, in one line."""
+    try:
+        yield
     except (ValueError, UnicodeDecodeError) as error:
         message = " ".join(str(error).split())
         raise InputError(f"{path}: not a URDF or MJCF that MuJoCo reads ({message}); correct it") from error
-    _check_springs(path, model, mujoco)
-    return model
 
 
 def sources(path: Path) -> dict[str, bytes]:
@@ -64,13 +84,13 @@ def _beside(path: Path, name: str) -> Path:
     return file
 
 
-def _leave_statics(spec, path: Path, mujoco) -> None:
-    """Take away all that statics don't need, so that nothing of it can fail to compile."""
+def _leave_mechanics(spec, path: Path, mujoco, with_inertia: bool) -> None:
+    """Take away all that mechanics don't need, so that nothing of it can fail to compile."""
     is_urdf = _root_tag(path) == "robot"
     from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     for body in spec.bodies:
         _check_mass(path, "body", body.name, body.mass)
-        if body.explicitinertial and not from_geoms:
+        if body.explicitinertial and not from_geoms and not with_inertia:
             body.fullinertia, body.inertia = [math.nan] * 6, [1.0] * 3
         has_inertia = is_urdf or body.name == "world" or (body.explicitinertial and not from_geoms)
         for geom in list(body.geoms):
