@@ -56,6 +56,8 @@ loading/gc_crc_pkg.vhd
 loading/gc_loader.vhd
 loading/gc_bank_switch.vhd
 system/gc_force_path.vhd
+serial/gc_uart.vhd
+serial/gc_modbus.vhd
 registers/reg_utils.vhd
 registers/gc_registers_pkg.vhd
 registers/gc_registers.vhd
@@ -64,3 +66,4 @@ system/gc_bus_side.vhd
 system/gc_core_side.vhd
 system/gc_core_twin.vhd
 system/gc_system.vhd
+serial/gc_serial_system.vhd

@@ -13,7 +13,7 @@ warnings="--warn-error --warn-library --warn-binding --warn-reserved --warn-dela
 {
     ghdl -a $options $warnings $(cat sources.f)
     ghdl -a $options $warnings ../tb/hdl/*.vhd
-    for top in gc_core gc_force_path gc_system; do
+    for top in gc_core gc_force_path gc_system gc_serial_system; do
         ghdl --synth $options --out=none $top >"$work/$top.log" 2>&1 || { cat "$work/$top.log" >&2; exit 1; }
     done
 }

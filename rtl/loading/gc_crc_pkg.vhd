@@ -3,6 +3,8 @@
 -- CRC-32 of IEEE 802.3, as zlib computes it: of words as little-endian bytes, a word at a time.
 --
 -- Start: all ones. Result: the complement of the last value.
+--
+-- And CRC-16 of Modbus, a byte at a time. Start: all ones. Result: the last value, sent low byte first; zero after it.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -19,6 +21,19 @@ package gc_crc_pkg is
     crc  : crc_t;
     word : crc_t
   ) return crc_t;
+
+  subtype byte_t is std_ulogic_vector(7 downto 0);
+
+  subtype crc16_t is std_ulogic_vector(15 downto 0);
+
+  constant crc16_start_c : crc16_t := (others => '1');
+
+  -- The value after one more byte.
+
+  function crc16_step (
+    crc  : crc16_t;
+    byte : byte_t
+  ) return crc16_t;
 
 end package gc_crc_pkg;
 
@@ -106,5 +121,30 @@ package body gc_crc_pkg is
     return sums_v(0);
 
   end function crc_step;
+
+  constant polynomial_16_c : crc16_t := x"A001";
+
+  function crc16_step (
+    crc  : crc16_t;
+    byte : byte_t
+  ) return crc16_t is
+
+    variable crc_v : crc16_t := crc xor (x"00" & byte);
+
+  begin
+
+    for i in byte_t'range loop
+
+      if crc_v(0) = '1' then
+        crc_v := ('0' & crc_v(15 downto 1)) xor polynomial_16_c;
+      else
+        crc_v := '0' & crc_v(15 downto 1);
+      end if;
+
+    end loop;
+
+    return crc_v;
+
+  end function crc16_step;
 
 end package body gc_crc_pkg;

@@ -1,10 +1,11 @@
 """Driver of gc_system in Python: the twin of host/gravcomp.c, function by function.
 
-A bus is any object with read(offset) -> word and write(offset, word), 32-bit registers at byte offsets. An image is
-what `gravcomp image` writes.
+A bus is any object with read(offset) -> word and write(offset, word), 32-bit registers at byte offsets, and, if it can
+read several at once, read_run(offset, n) -> words. An image is what `gravcomp image` writes.
 """
 
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from pathlib import Path
@@ -288,11 +289,12 @@ class Host:
     def crc32(self, image: bytes) -> int:
         return zlib.crc32(image)
 
-    def load(self, image: bytes, crc: int, polls: int) -> Result:
+    def load(self, image: bytes, crc: int, polls: int, progress: Callable[[], object] = lambda: None) -> Result:
+        """progress is called after each word."""
         if not self._loader("loadable"):
             return Result.NOT_LOADABLE
         self._write("load_unlock", LOAD_KEY)
-        self._send_image(image)
+        self._send_image(image, progress)
         bank = self._loader("bank")
         self._write("load_crc", crc)
         self._command("commit", "load_command")
@@ -333,7 +335,10 @@ class Host:
         self._bus.write(self._map[name].address + 4 * axis, word & WORD_MAX)
 
     def _words(self, name: str) -> tuple[int, ...]:
-        return tuple(self._read(name, i) for i in range(self._map[name].count))
+        register = self._map[name]
+        if read_run := getattr(self._bus, "read_run", None):
+            return tuple(read_run(register.address, register.count))
+        return tuple(self._read(name, i) for i in range(register.count))
 
     def _axes(self, name: str) -> tuple[int, ...]:
         return tuple(word - (word >> 31 << 32) for word in self._words(name))
@@ -341,12 +346,13 @@ class Host:
     def _loader(self, field: str) -> int:
         return self._map["load_status"].field(field, self._read("load_status"))
 
-    def _send_image(self, image: bytes) -> None:
+    def _send_image(self, image: bytes, progress: Callable[[], object]) -> None:
         self._command("begin_image", "load_command")
         for i in range(len(image) // 4):
             if i % WORDS_PER_KICK == 0:
                 self.kick()
             self._write("load_word", int.from_bytes(image[4 * i : 4 * i + 4], "little"))
+            progress()
 
     def _command(self, name: str, register: str = "command") -> None:
         low, _ = self._map[register].fields[name]

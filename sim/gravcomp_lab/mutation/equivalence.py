@@ -14,7 +14,7 @@ from gravcomp.errors import InputError
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 from gravcomp_lab.synthesis.yosys import RUNNER
 
-TOP = "gc_system"
+TOP = "gc_serial_system"  # holds every entity
 CONFIGURATIONS = tuple(
     {"lanes_g": lanes, "loadable_g": loadable} for lanes in (1, 4, 20) for loadable in ("true", "false")
 )

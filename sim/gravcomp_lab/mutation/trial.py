@@ -133,10 +133,10 @@ def _run_marked(root: Path, rtl: Path, build: Path, files: Sequence[str], marker
 
 
 def compiles(rtl: Path, work: str) -> bool:
-    """Whether GHDL analyses the files and elaborates gc_system, which holds every entity, in COMPILE_TIMEOUT_S each."""
+    """Whether GHDL analyses the files and elaborates the top that holds every entity, in COMPILE_TIMEOUT_S each."""
     files = [str(path) for path in rtl_sources(rtl)]
     options = ["--std=08", f"--workdir={work}"]
-    for command in (["-a", *options, *files], ["--elab-run", *options, "gc_system", "--stop-time=0ns"]):
+    for command in (["-a", *options, *files], ["--elab-run", *options, equivalence.TOP, "--stop-time=0ns"]):
         try:
             subprocess.run(["ghdl", *command], cwd=work, capture_output=True, check=True, timeout=COMPILE_TIMEOUT_S)
         except (subprocess.CalledProcessError, subprocess.TimeoutExpired):
