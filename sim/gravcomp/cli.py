@@ -18,11 +18,7 @@ from gravcomp.errors import InputError
 # In the order of the work.
 COMMANDS = (
     *("import", "diagnose", "plan", "new", "train", "import-network", "adopt", "formats", "rom", "vectors", "image"),
-<<<<<<< HEAD
-    *("loop", "measure"),
-=======
-    *("board", "loop", "loop-report", "measure"),
->>>>>>> 8bf911e (gc_system behind a serial port, and gravcomp board)
+    *("board", "loop", "measure"),
 )
 
 
