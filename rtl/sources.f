@@ -52,6 +52,7 @@ system/gc_tick.vhd
 motion/gc_servo_pkg.vhd
 motion/gc_setpoint.vhd
 motion/gc_servo.vhd
+motion/gc_recorder.vhd
 loading/gc_crc_pkg.vhd
 loading/gc_loader.vhd
 loading/gc_bank_switch.vhd
