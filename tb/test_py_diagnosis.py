@@ -32,6 +32,12 @@ def holds(force=None, seed=7):
     return head + "\n" + "\n".join(",".join(f"{x:.9g}" for x in row) for row in rows) + "\n"
 
 
+def in_hinges(q, moment):
+    """Motor forces of moments (n, 6), of the Jacobian, in the hinges of the universal joints."""
+    jacobian = MACHINE.robot.universal_jacobian(q)
+    return np.einsum("nij,ni->nj", jacobian, moment(jacobian))
+
+
 def run(tmp_path, text, *options):
     """Exit status and report of the command line."""
     data, out = tmp_path / "log.csv", tmp_path / "out"
@@ -49,6 +55,11 @@ def run(tmp_path, text, *options):
         ("thrust_constant", lambda q, v: 0.02 * holding_forces_at(q, P)),
         ("encoder_offset", lambda q, v: holding_forces_at(q + 0.002, P) - holding_forces_at(q, P)),
         ("cogging", lambda q, v: 0.8 * np.sin(2 * np.pi * q / 0.024 + 1.0)),
+        ("universal_joint_friction", lambda q, v: in_hinges(q, lambda j: 0.3 * np.sign(np.einsum("nij,nj->ni", j, v)))),
+        (
+            "platform_hose",
+            lambda q, v: in_hinges(q, lambda j: MACHINE.robot.universal_angles(q) * np.repeat([0, 2], 3)),
+        ),
     ],
 )
 def test_diagnosis_names_the_effect_and_leaves_noise(tmp_path, name, force):

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
 from scipy.stats import binom, chi2
 
 from codes import ROOT
@@ -34,6 +35,8 @@ CONTRACT = {
     "viscous_friction": ({"b": "[f] s/[q]", "b_pos": "[f] s/[q]", "b_neg": "[f] s/[q]"}, "compensator"),
     "stribeck_friction": ({"fc": "[f]", "fs": "[f]", "vs": "[q]/s"}, "compensator"),
     "passive_joint_friction": ({"fc_prismatic": "N", "fc_rotary": "Nm"}, "compensator"),
+    "universal_joint_friction": ({"fc_universal": "Nm"}, "compensator"),
+    "platform_hose": ({"k": "Nm/rad"}, "network"),
     "load_dependent_friction": ({"mu": "1"}, "compensator"),
     "position_dependent_friction": ({"fc": "[f]", "slope": "[f]/[q]"}, "compensator"),
     "friction_step": ({"step": "[f]", "t_step": "s"}, "none"),
@@ -113,6 +116,33 @@ def passive_friction(data, params):
     kinds = ("fc_prismatic_n", "fc_rotary_nm")
     level = np.array([params.get(kind, params.get(f"{kind}_{leg}")) for kind in kinds for leg in AXES])
     return np.einsum("npk,np->nk", jacobian, level * np.sign(np.einsum("npk,nk->np", jacobian, data.v)))
+
+
+def hinge_angles(q: np.ndarray) -> np.ndarray:
+    """Inner and outer angle of the universal joints, (n, 6), from R = turn about e, about e x u, about u."""
+    rotation, phi, out = direct_kinematics(q, P), passive_positions(q)[:, 3:], []
+    for i in range(3):
+        e, u = np.eye(3)[i], np.eye(3)[(i + 1) % 3]
+        home = np.stack([e, np.cross(e, u), u])
+        seen = Rotation.from_rotvec(-phi[:, i, None] * e).as_matrix() @ rotation
+        x, y, z = np.moveaxis(home @ seen @ home.T, 0, -1)  # rows of Ry(inner) Rz(outer) in the frame e, e x u, u
+        out.append((np.arctan2(x[2], z[2]), np.arctan2(y[0], y[1])))
+    return np.stack([inner for inner, _ in out] + [outer for _, outer in out], axis=1)
+
+
+def hinge_jacobian(q: np.ndarray) -> np.ndarray:
+    step = 1e-6 * np.eye(3)
+    return np.stack([(hinge_angles(q + e) - hinge_angles(q - e)) / 2e-6 for e in step], axis=-1)
+
+
+def universal_friction(data, params):
+    jacobian, kind = hinge_jacobian(data.q), "fc_universal_nm"
+    level = np.array([params.get(kind, params.get(f"{kind}_{leg}")) for leg in AXES] * 2)
+    return np.einsum("npk,np->nk", jacobian, level * np.sign(np.einsum("npk,nk->np", jacobian, data.v)))
+
+
+def hose(data, params):
+    return np.einsum("npk,np->nk", hinge_jacobian(data.q)[:, 3:], at(params, "k") * hinge_angles(data.q)[:, 3:])
 
 
 def payload(data, params):
@@ -238,6 +268,11 @@ CASES = {
     "each passive joint": Case("FrictionOfEachPassiveJoint",
                                each("fc_prismatic_n", 2.0, 1.5, 2.6) | each("fc_rotary_nm", 0.4, 0.5, 0.3),
                                ("fc_prismatic", "fc_rotary"), passive_friction, lambda: holds(5, 3), tolerance=1e-6),
+    "universal joints": Case("UniversalJointFriction", {"fc_universal_nm": 0.4}, ("fc_universal",), universal_friction,
+                             lambda: holds(5, 3), tolerance=1e-6),
+    "each universal joint": Case("FrictionOfEachUniversalJoint", each("fc_universal_nm", 0.4, 0.3, 0.5),
+                                 ("fc_universal",), universal_friction, lambda: holds(5, 3), tolerance=1e-6),
+    "hose": Case("PlatformHose", each("k", 2.0, -1.5, 3.0), ("k",), hose, tolerance=1e-6),
     "load": Case("LoadDependentFriction", each("mu", 0.02, 0.05, 0.03), ("mu",),
                  lambda d, p: at(p, "mu") * np.abs(statics(d.q)) * np.sign(d.v)),
     "position": Case("PositionDependentFriction", each("fc", 1.0, 2.0, 0.9) | each("slope", 4.0, -9.0, 6.0),

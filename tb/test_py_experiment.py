@@ -32,6 +32,7 @@ VOCABULARY = {
     *("coulomb_friction", "viscous_friction", "stribeck_friction", "passive_joint_friction", "load_dependent_friction"),
     *("backlash", "cogging", "payload", "base_tilt", "thrust_constant", "encoder_offset", "current_offset"),
     *("cable_spring", "link_compliance", "thermal_drift", "inertia", "presliding_hysteresis", "body_moment"),
+    *("universal_joint_friction", "platform_hose"),
 }
 
 
@@ -75,6 +76,14 @@ def passive(log, levels):
     return np.einsum("...ij,...i->...j", j, np.array(levels) * np.sign(v))
 
 
+def turned(log, moment):
+    """Motor forces of moments (angles, rates) in the hinges of the universal joints, inner ones first."""
+    robot = MACHINE.robot
+    j = robot.universal_jacobian(log.q)
+    own = moment(robot.universal_angles(log.q), np.einsum("nij,nj->ni", j, log.v))
+    return np.einsum("nij,ni->nj", j, own)
+
+
 def stribeck(v):
     return (1.0 + 2.0 * np.exp(-((v / 0.004) ** 2))) * np.sign(v)
 
@@ -103,6 +112,8 @@ def test_without_effects_the_measured_effort_is_the_statics(mode, n_points):
         ("viscous_friction", {"b": 300.0}, lambda g: 300.0 * g.v, 0.1),
         ("stribeck_friction", {"fc": 1.0, "fs": 3.0, "vs": 0.004}, lambda g: stribeck(g.v), 0.15),
         ("passive_joint_friction", {"fc_b": 1.5, "fc_phi": 0.2}, lambda g: passive(g, [1.5] * 3 + [0.2] * 3), 0.1),
+        ("universal_joint_friction", {"fc": 0.3}, lambda g: turned(g, lambda angles, rate: 0.3 * np.sign(rate)), 0.1),
+        ("platform_hose", {"k": 1.0}, lambda g: turned(g, lambda angles, rate: angles * np.repeat([0.0, 1.0], 3)), 0.1),
         ("load_dependent_friction", {"mu": 0.05}, lambda g: 0.05 * np.abs(statics(g.q)) * np.sign(g.v), 0.1),
         ("backlash", {"gap": 0.001}, lambda g: statics(g.q, -0.0005 * np.sign(g.v)) - statics(g.q), 0.06),
         (

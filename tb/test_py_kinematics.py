@@ -12,6 +12,8 @@ from gravcomp.robot.spheiro.kinematics import (
     jacobian,
     passive_coordinates,
     passive_jacobian,
+    universal_angles,
+    universal_jacobian,
 )
 from gravcomp.robot.spheiro.workspace import sample_workspace
 from machines import P
@@ -81,7 +83,30 @@ def test_passive_jacobian_is_the_derivative_of_passive_coordinates():
     np.testing.assert_allclose(passive_jacobian(rotation, P) @ jacobian(rotation, P), by_rotation, atol=1e-8)
 
 
-@pytest.mark.parametrize("function", [inverse_kinematics, jacobian, passive_coordinates, passive_jacobian])
+def test_hinges_of_the_universal_joints_turn_link_2_into_the_platform():
+    """phi about e, inner about e x u, outer about u, in that order, carried along."""
+    rotation = sample_workspace(50, P, seed=10)
+    phi, hinges = passive_coordinates(rotation, P)[:, 3:], universal_angles(rotation, P)
+    assert np.abs(universal_angles(np.eye(3), P)).max() < 1e-15
+    for i, (e, u) in enumerate(zip(np.eye(3), HOME_AXES.T, strict=True)):
+        turns = ((phi[:, i], e), (hinges[:, i], np.cross(e, u)), (hinges[:, 3 + i], u))
+        reached = np.eye(3)
+        for angle, axis in turns:
+            reached = reached @ Rotation.from_rotvec(angle[:, None] * axis).as_matrix()
+        np.testing.assert_allclose(reached, rotation, atol=1e-13)
+
+
+def test_universal_jacobian_is_the_derivative_of_the_angles():
+    q, step = inverse_kinematics(sample_workspace(50, P, seed=11), P), 1e-6 * np.eye(3)
+    at = lambda q: universal_angles(direct_kinematics(q, P), P)  # noqa: E731
+    by_q = np.stack([(at(q + e) - at(q - e)) / 2e-6 for e in step], -1)
+    np.testing.assert_allclose(universal_jacobian(direct_kinematics(q, P), P), by_q, atol=1e-8)
+
+
+VECTORISED = [inverse_kinematics, jacobian, passive_coordinates, passive_jacobian, universal_angles, universal_jacobian]
+
+
+@pytest.mark.parametrize("function", VECTORISED)
 def test_leading_axes_are_vectorised_over(function):
     rotation = sample_workspace(6, P, seed=8)
     one_by_one = np.stack([function(r, P) for r in rotation])
@@ -127,7 +152,7 @@ def test_impossible_joint_positions_are_refused_with_pose_and_reason(q, why):
         (np.zeros((3, 3)), "is not a rotation"),
     ],
 )
-@pytest.mark.parametrize("function", [inverse_kinematics, jacobian, passive_coordinates, passive_jacobian])
+@pytest.mark.parametrize("function", VECTORISED)
 def test_impossible_rotations_are_refused_with_pose_and_reason(function, rotation, why):
     with pytest.raises(PoseError, match=f"^pose 3 {why}"):
         function(bad_at_3(np.eye(3), rotation), P)

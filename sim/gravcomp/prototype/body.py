@@ -16,6 +16,7 @@ from gravcomp.robot.spheiro.kinematics import (
     direct_kinematics,
     inverse_kinematics,
     passive_coordinates,
+    universal_angles,
 )
 from gravcomp.robot.spheiro.parameters import RobotParameters
 
@@ -151,12 +152,5 @@ class Prototype(Engine):
 
 def _leg_coordinates(rotation: np.ndarray, p: RobotParameters) -> list[np.ndarray]:
     """Coordinates of all joints, in the order of JOINTS_OF_LEG, each (3,): m, rad, m, rad, rad."""
-    passive = passive_coordinates(rotation, p)
-    inner, outer = np.empty(3), np.empty(3)
-    for i, (e, u, phi) in enumerate(zip(np.eye(3), HOME_AXES.T, passive[3:], strict=True)):
-        n = np.cross(e, u)
-        seen = Rotation.from_rotvec(-phi * e).as_matrix() @ rotation  # platform in the frame of the link
-        inner[i] = np.arctan2(-e @ seen @ u, u @ seen @ u)
-        turned = Rotation.from_rotvec(-inner[i] * n).as_matrix() @ seen
-        outer[i] = np.arctan2(e @ turned @ n, n @ turned @ n)
-    return [inverse_kinematics(rotation, p), passive[3:], passive[:3] - p.d_m, inner, outer]
+    passive, hinges = passive_coordinates(rotation, p), universal_angles(rotation, p)
+    return [inverse_kinematics(rotation, p), passive[3:], passive[:3] - p.d_m, hinges[:3], hinges[3:]]

@@ -444,7 +444,6 @@ class UniversalJointFriction(Effect):
     """Friction in both hinges of the universal joints, N m."""
 
     name = "universal_joint_friction"
-    on_list = False
     ranges: ClassVar = {"fc": Range(0.1, 0.5)}
 
     @classmethod
@@ -460,7 +459,6 @@ class PlatformHose(Effect):
     """A hose from the platform to the base: linear springs between the forks' hinges, N m/rad."""
 
     name = "platform_hose"
-    on_list = False
     ranges: ClassVar = {"k": Range(0.3, 2.0)}
 
     @classmethod

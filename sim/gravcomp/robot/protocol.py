@@ -142,4 +142,17 @@ class HasPassiveJoints(Protocol):
         ...
 
 
+@runtime_checkable
+class HasUniversalJoints(Protocol):
+    """Has universal joints between its legs and its platform: hinges (inner_1, .., inner_m, outer_1, .., outer_m)."""
+
+    def universal_angles(self, q: np.ndarray) -> np.ndarray:
+        """(..., 2 m), rad, zero at home."""
+        ...
+
+    def universal_jacobian(self, q: np.ndarray) -> np.ndarray:
+        """J_u (..., 2 m, n): speeds of the hinges per speed of the axes."""
+        ...
+
+
 RobotKind = Callable[[dict, str], Robot]

@@ -149,7 +149,7 @@ def drawable(data) -> list[str]:
         names += ["thrust_constant", "load_dependent_friction", "payload"]
         names += ["encoder_offset", "backlash", "link_compliance"]
     if data.robot is not None:
-        names += ["base_tilt", "passive_joint_friction"]
+        names += ["base_tilt", "passive_joint_friction", "universal_joint_friction", "platform_hose"]
     if data.is_motion.mean() > 0.5:
         names += ["presliding_hysteresis", "inertia"]
     return names

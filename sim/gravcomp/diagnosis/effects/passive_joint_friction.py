@@ -39,9 +39,7 @@ class PassiveJointFriction(Effect):
         return np.einsum("npk,p->nk", _by_joint(data), _levels(data, parameters))
 
     def doubt(self, data, parameters):
-        jacobian, speed, unsure = _motion(data)
-        level = _levels(data, parameters) * (np.abs(speed) < unsure)
-        return np.einsum("npk,np->nk", np.abs(jacobian), np.abs(level))
+        return doubt_of_friction(data.robot.passive_jacobian(data.q), data, _levels(data, parameters))
 
     def constants(self, data, parameters):
         """The Coulomb friction that is nearest to these forces in the mean square."""
@@ -79,17 +77,26 @@ def _levels(data, parameters) -> np.ndarray:
     return np.array([parameters.get(own.stem, 0.0) + parameters.get(own, 0.0) for own in names])
 
 
-def _by_joint(data) -> np.ndarray:
-    """What each passive joint's friction of level one adds to the axes, (n, p, k)."""
-    jacobian, speed, unsure = _motion(data)
+def friction_by_joint(jacobian, data) -> np.ndarray:
+    """What friction of level one in each joint of a Jacobian (n, p, k) adds to the axes, (n, p, k)."""
+    speed, unsure = _speeds(jacobian, data)
     # where v is read on a grid, a slow joint's sign is not sure: its mean over what v may be
     return jacobian * np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)[..., None]
 
 
-def _motion(data) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Jacobian of the passive joints (n, p, k), their speeds and the speeds below which the sign is not sure (n, p)."""
-    jacobian = data.robot.passive_jacobian(data.q)
+def _by_joint(data) -> np.ndarray:
+    return friction_by_joint(data.robot.passive_jacobian(data.q), data)
+
+
+def doubt_of_friction(jacobian, data, levels) -> np.ndarray:
+    """How much of the force (n, k) of friction levels (p,) in the joints of a Jacobian has a sign that is not sure."""
+    speed, unsure = _speeds(jacobian, data)
+    return np.einsum("npk,np->nk", np.abs(jacobian), np.abs(levels * (np.abs(speed) < unsure)))
+
+
+def _speeds(jacobian, data) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds of the joints of a Jacobian (n, p, k), and the speeds below which their sign is not sure, (n, p) each."""
     speed = np.einsum("npk,nk->np", jacobian, data.v)
     unsure = np.einsum("npk,nk->np", np.abs(jacobian), data.dead_band)
     unsure += _ROUNDING * np.linalg.norm(jacobian, axis=2) * np.linalg.norm(data.v, axis=1)[:, None]
-    return jacobian, speed, unsure
+    return speed, unsure

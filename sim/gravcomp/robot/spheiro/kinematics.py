@@ -138,6 +138,33 @@ def passive_jacobian(rotation: np.ndarray, p: RobotParameters) -> np.ndarray:
     return by_rotation @ np.linalg.inv(np.cross(points, np.eye(3)))
 
 
+def universal_angles(rotation: np.ndarray, p: RobotParameters) -> np.ndarray:
+    """Angles of the universal joints' hinges (inner_1, .., inner_3, outer_1, .., outer_3), rad, zero at home.
+
+    Leg i turns about e_i, then the inner hinge about t_i = e_i x w_i, then the outer one about a_i = R u_i, which is
+    fixed in the platform: tan(inner_i) = -q_i/b_i, and outer_i turns t_i into R (e_i x u_i).
+    rotation: (..., 3, 3). Returns (..., 6). Raises PoseError.
+    """
+    a = np.swapaxes(platform_axes(rotation), -1, -2)
+    b, w = link_axes(p.d_m * a)
+    t, across = np.cross(np.eye(3), w), np.cross(np.eye(3), HOME_AXES.T) @ np.swapaxes(rotation, -1, -2)
+    inner = np.arctan2(-inverse_kinematics(rotation, p), b)
+    outer = np.arctan2((np.cross(a, t) * across).sum(axis=-1), (t * across).sum(axis=-1))
+    return np.concatenate([inner, outer], axis=-1)
+
+
+def universal_jacobian(rotation: np.ndarray, p: RobotParameters) -> np.ndarray:
+    """Jacobian J_u of the universal joints' hinges, d(inner, outer) = J_u dq.
+
+    dinner_i = t_i . dtheta and douter_i = (d/b_i) w_i . dtheta, dtheta = J^-1 dq.
+    rotation: (..., 3, 3). Returns (..., 6, 3), rad/m. Raises PoseError.
+    """
+    points = p.d_m * np.swapaxes(platform_axes(rotation), -1, -2)
+    b, w = link_axes(points)
+    by_rotation = np.concatenate([np.cross(np.eye(3), w), p.d_m / b[..., None] * w], axis=-2)
+    return by_rotation @ np.linalg.inv(np.cross(points, np.eye(3)))
+
+
 def _refuse_singular(margin: np.ndarray) -> None:
     _refuse(margin <= SINGULAR_MARGIN, "is at or beyond a singular face of the joint space; stay inside it")
 

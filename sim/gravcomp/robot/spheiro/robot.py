@@ -8,7 +8,13 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.robot.machine import Machine
 from gravcomp.robot.protocol import Bounds
-from gravcomp.robot.spheiro.kinematics import direct_kinematics, inverse_kinematics, passive_jacobian
+from gravcomp.robot.spheiro.kinematics import (
+    direct_kinematics,
+    inverse_kinematics,
+    passive_jacobian,
+    universal_angles,
+    universal_jacobian,
+)
 from gravcomp.robot.spheiro.parameters import RobotParameters, parameters_from_table
 from gravcomp.robot.spheiro.statics import holding_forces, holding_forces_at
 from gravcomp.robot.spheiro.workspace import pose, sample_workspace
@@ -67,6 +73,12 @@ class Spheiro:
 
     def passive_jacobian(self, q: np.ndarray) -> np.ndarray:
         return passive_jacobian(direct_kinematics(q, self.parameters), self.parameters)
+
+    def universal_angles(self, q: np.ndarray) -> np.ndarray:
+        return universal_angles(direct_kinematics(q, self.parameters), self.parameters)
+
+    def universal_jacobian(self, q: np.ndarray) -> np.ndarray:
+        return universal_jacobian(direct_kinematics(q, self.parameters), self.parameters)
 
 
 def spheiro_of(machine: Machine) -> RobotParameters:
