@@ -8,7 +8,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats certify certify-all docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -82,6 +82,12 @@ latency: setup ## initiation interval and latency per number of lanes, measured 
 
 formats: setup ## what every signal of the core can hold over all counts; fixed point against float
 	@$(RUN)/gravcomp formats --weights "$(WEIGHTS)"
+
+certify: setup ## prove the largest error of the core over all poses of the machine in WEIGHTS
+	@$(RUN)/gravcomp certify "$(WEIGHTS)"
+
+certify-all: setup ## the same for every shipped machine; docs/measured/certify.md
+	@$(LAB) certify --docs docs/measured
 
 docs: sim budget ## docs/measured/results.md and its pictures, from fresh runs
 	@set -e; { echo "# Results"; echo; echo "Written by \`make docs\`."; \

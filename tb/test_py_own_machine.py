@@ -59,6 +59,7 @@ CASES = {
     "train": ["--from", "machine", "--out", "trained", "--poses", "20"],
     "adopt": ["machine"],
     "formats": ["--weights", "machine"],
+    "certify": ["machine", "--gap", "20"],
     "rom": ["--weights", "machine", "--out", "generated"],
     "image": ["--weights", "machine", "--rom", "machine", "--out", "image.bin"],
     "diagnose": ["log.csv", "--robot", "machine", "--out", "report"],

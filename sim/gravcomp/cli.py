@@ -17,8 +17,8 @@ from gravcomp.errors import InputError
 
 # In the order of the work.
 COMMANDS = (
-    *("import", "diagnose", "plan", "new", "train", "import-network", "adopt", "formats", "rom", "vectors", "image"),
-    *("board", "loop", "measure"),
+    *("import", "diagnose", "plan", "new", "train", "import-network", "adopt", "formats", "certify"),
+    *("rom", "vectors", "image", "board", "loop", "measure"),
 )
 
 

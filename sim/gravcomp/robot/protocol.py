@@ -155,4 +155,27 @@ class HasUniversalJoints(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class Formula:
+    """Statics as arithmetic over a box of k parameters, low to high (k,), that covers the workspace.
+
+    at: parameters (..., k) to positions (..., n) and efforts (..., n); floats, or objects of any number type that has
+    +, -, *, /, sqrt, sin and cos.
+    """
+
+    names: tuple[str, ...]
+    low: np.ndarray
+    high: np.ndarray
+    at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+@runtime_checkable
+class HasFormula(Protocol):
+    """Can tell its efforts by arithmetic alone, without a search or an iteration."""
+
+    def formula(self) -> Formula:
+        """Raises InputError where this robot has none."""
+        ...
+
+
 RobotKind = Callable[[dict, str], Robot]

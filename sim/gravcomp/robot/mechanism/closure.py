@@ -13,7 +13,7 @@ import numpy as np
 
 from gravcomp.errors import InputError
 from gravcomp.robot.mechanism.source import engine
-from gravcomp.robot.mechanism.tree import HINGE, SLIDE, Placement, Tree, _matrix
+from gravcomp.robot.mechanism.tree import HINGE, SLIDE, Placement, Tree, rotation_matrix
 from gravcomp.robot.protocol import PoseError
 
 _CLOSED = 1e-12  # residual, in units of the mechanism's size
@@ -204,10 +204,10 @@ def _ends(tree: Tree, k: int, site) -> list[tuple[int, np.ndarray, np.ndarray]]:
     m, mujoco = tree.model, engine()
     ids, data = (m.eq_obj1id[k], m.eq_obj2id[k]), m.eq_data[k]
     if m.eq_objtype[k] == site:
-        return [(m.site_bodyid[i], m.site_pos[i], _matrix(m.site_quat[i])) for i in ids]
+        return [(m.site_bodyid[i], m.site_pos[i], rotation_matrix(m.site_quat[i])) for i in ids]
     if m.eq_type[k] == mujoco.mjtEq.mjEQ_CONNECT:
         return [(ids[0], data[0:3], np.eye(3)), (ids[1], data[3:6], np.eye(3))]
-    return [(ids[0], data[3:6], _matrix(data[6:10])), (ids[1], data[0:3], np.eye(3))]
+    return [(ids[0], data[3:6], rotation_matrix(data[6:10])), (ids[1], data[0:3], np.eye(3))]
 
 
 def _connect(tree: Tree, k: int, site) -> Loop:

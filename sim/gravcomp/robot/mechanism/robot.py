@@ -16,9 +16,10 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.robot.fields import finite, text
 from gravcomp.robot.mechanism.closure import Closed, Closure, driven_loops
+from gravcomp.robot.mechanism.outward import holding_efforts
 from gravcomp.robot.mechanism.source import compile_model, sources
 from gravcomp.robot.mechanism.tree import FREE, HINGE, SLIDE, Placement, Tree
-from gravcomp.robot.protocol import Bounds, PoseError
+from gravcomp.robot.protocol import Bounds, Formula, PoseError
 from gravcomp.robot.ranges import (
     Box,
     Limits,
@@ -106,6 +107,31 @@ class Mechanism:
     def with_gravity(self, direction: np.ndarray) -> "Mechanism":
         return replace(self, gravity_mps2=np.linalg.norm(self.gravity_mps2) * np.asarray(direction, dtype=float))
 
+    def formula(self) -> Formula:
+        """Over the positions themselves: efforts of a serial chain are polynomials of their sines and cosines.
+
+        Raises InputError for a workspace that is a list of poses, and for ball and free joints.
+        """
+        if not np.isin(self.tree.model.jnt_type, list(UNITS)).all():
+            raise InputError("a ball or free joint has no single coordinate; give hinges and slides")
+        if isinstance(self.area, Poses):
+            raise InputError('the workspace is a list of poses, not a box; give [workspace] kind = "box"')
+
+        m = self.tree.model
+        numbers = {int(joint): k for k, joint in enumerate(self.tree.dof_joint[self.axes])}
+        away = self.reference[m.jnt_qposadr] - m.qpos0[m.jnt_qposadr]
+        stiffness, zero = m.jnt_stiffness[[*numbers]], (m.qpos0 - m.qpos_spring)[self._places]
+
+        def at(q):
+            travel = [
+                q[..., numbers[j]] - m.qpos0[m.jnt_qposadr[j]] if j in numbers else away[j] for j in range(m.njnt)
+            ]
+            efforts = holding_efforts(self.tree, travel, self.gravity_mps2)
+            held = [efforts[j] + stiffness[k] * (travel[j] + zero[k]) for j, k in numbers.items()]
+            return q, np.stack(np.broadcast_arrays(*held), axis=-1)
+
+        return Formula(tuple(f"q{k}_{unit}" for k, unit in enumerate(self.position_units, start=1)), *self.ranges, at)
+
     @cached_property
     def _moved_bodies(self) -> list[int]:
         """Bodies that an axis moves, from the base outward; that which takes a payload is last."""
@@ -164,6 +190,9 @@ class ClosedMechanism(Mechanism):
     """A mechanism with loops that the axes drive."""
 
     closure: Closure
+
+    def formula(self) -> Formula:
+        raise InputError("the robot has loops, which are closed by iteration: its efforts are no formula of its axes")
 
     @property
     def passive_units(self) -> tuple[str, ...]:

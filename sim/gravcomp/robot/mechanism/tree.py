@@ -65,7 +65,7 @@ class Tree:
         rotation[0] = np.eye(3)
         for body in range(1, m.nbody):
             above = self.parent[body]
-            r = rotation[above] @ _matrix(m.body_quat[body])
+            r = rotation[above] @ rotation_matrix(m.body_quat[body])
             x = origin[above] + rotation[above] @ m.body_pos[body]
             for joint in range(m.body_jntadr[body], m.body_jntadr[body] + m.body_jntnum[body]):
                 r, x = self._move(joint, qpos, r, x, axis, anchor)
@@ -77,14 +77,14 @@ class Tree:
         m, dof, at = self.model, self.model.jnt_dofadr[joint], self.model.jnt_qposadr[joint]
         kind, place = m.jnt_type[joint], m.jnt_pos[joint]
         if kind == FREE:
-            x, r = qpos[:, at : at + 3], _matrix(qpos[:, at + 3 : at + 7])
+            x, r = qpos[:, at : at + 3], rotation_matrix(qpos[:, at + 3 : at + 7])
             axis[dof : dof + 3] = np.eye(3)[:, None]
             axis[dof + 3 : dof + 6] = np.moveaxis(r, 2, 0)
             anchor[dof : dof + 6] = x
             return r, x
         fixed = x + r @ place
         if kind == BALL:
-            r = r @ _matrix(qpos[:, at : at + 4])
+            r = r @ rotation_matrix(qpos[:, at : at + 4])
             axis[dof : dof + 3] = np.moveaxis(r, 2, 0)
             anchor[dof : dof + 3] = fixed
             return r, fixed - r @ place
@@ -156,7 +156,7 @@ class Tree:
         return m.jnt_qposadr[joints], m.jnt_dofadr[joints], m.jnt_stiffness[joints]
 
 
-def _matrix(quaternion: np.ndarray) -> np.ndarray:
+def rotation_matrix(quaternion: np.ndarray) -> np.ndarray:
     """Rotation (..., 3, 3) of a quaternion (..., 4), w x y z, of any length but zero."""
     w, x, y, z = np.moveaxis(quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True), -1, 0)
     rows = [

@@ -7,8 +7,9 @@ import numpy as np
 
 from gravcomp.errors import InputError
 from gravcomp.robot.machine import Machine
-from gravcomp.robot.protocol import Bounds
+from gravcomp.robot.protocol import Bounds, Formula
 from gravcomp.robot.spheiro.kinematics import (
+    HOME_AXES,
     direct_kinematics,
     inverse_kinematics,
     passive_jacobian,
@@ -16,7 +17,7 @@ from gravcomp.robot.spheiro.kinematics import (
     universal_jacobian,
 )
 from gravcomp.robot.spheiro.parameters import RobotParameters, parameters_from_table
-from gravcomp.robot.spheiro.statics import holding_forces, holding_forces_at
+from gravcomp.robot.spheiro.statics import forces_from_axes, holding_forces, holding_forces_at
 from gravcomp.robot.spheiro.workspace import pose, sample_workspace
 
 # Bounds come from a grid and are rounded outward to these; a bound between
@@ -79,6 +80,18 @@ class Spheiro:
 
     def universal_jacobian(self, q: np.ndarray) -> np.ndarray:
         return universal_jacobian(direct_kinematics(q, self.parameters), self.parameters)
+
+    def formula(self) -> Formula:
+        """Over azimuth, tilt and torsion: the workspace is a box of them."""
+        p = self.parameters
+        tilt, torsion = np.deg2rad(p.tilt_max_deg), np.deg2rad(p.torsion_max_deg)
+
+        def at(parameters):
+            axes = pose(*np.moveaxis(parameters, -1, 0)) @ HOME_AXES
+            return p.d_m * np.diagonal(axes, axis1=-2, axis2=-1), forces_from_axes(axes, p)
+
+        low, high = np.array([0.0, 0.0, -torsion]), np.array([2.0 * np.pi, tilt, torsion])
+        return Formula(("azimuth_rad", "tilt_rad", "torsion_rad"), low, high, at)
 
 
 def spheiro_of(machine: Machine) -> RobotParameters:

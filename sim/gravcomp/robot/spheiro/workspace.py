@@ -1,7 +1,6 @@
 """Poses of the workspace: R = Rot(tilt about an axis perpendicular to n) Rot(torsion about n), n = (1,1,1)/sqrt(3)."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from gravcomp.robot.spheiro.parameters import RobotParameters
 
@@ -13,14 +12,20 @@ _TILT_AXES = np.array([[1.0, -1.0, 0.0] / np.sqrt(2.0), [1.0, 1.0, -2.0] / np.sq
 def pose(azimuth_rad: np.ndarray, tilt_rad: np.ndarray, torsion_rad: np.ndarray) -> np.ndarray:
     """Rotation of the platform from azimuth and size of its tilt and its torsion about n.
 
-    All arguments broadcast to a common shape (...), rad. Returns (..., 3, 3), platform to base.
+    All arguments broadcast to a common shape (...), rad, of any number type that has sine and cosine. Returns
+    (..., 3, 3), platform to base.
     """
     azimuth, tilt, torsion = np.broadcast_arrays(azimuth_rad, tilt_rad, torsion_rad)
-    shape = azimuth.shape
-    direction = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1) @ _TILT_AXES
-    tilted = Rotation.from_rotvec((tilt[..., None] * direction).reshape(-1, 3))
-    twisted = Rotation.from_rotvec((torsion[..., None] * CENTRE).reshape(-1, 3))
-    return (tilted * twisted).as_matrix().reshape(*shape, 3, 3)
+    direction = np.cos(azimuth)[..., None] * _TILT_AXES[0] + np.sin(azimuth)[..., None] * _TILT_AXES[1]
+    return _turn(direction, tilt) @ _turn(CENTRE, torsion)
+
+
+def _turn(direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Rotations (..., 3, 3) about unit vectors (..., 3) by angles (...): Rodrigues' formula."""
+    cosine, sine = np.cos(angle)[..., None, None], np.sin(angle)[..., None, None]
+    along = direction[..., :, None] * direction[..., None, :]
+    across = np.cross(np.eye(3), direction[..., None, :])  # the matrix of v -> direction x v
+    return cosine * np.eye(3) + (1.0 - cosine) * along + sine * across
 
 
 def sample_workspace(
