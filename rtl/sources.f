@@ -24,6 +24,10 @@ loading/gc_bank_ram.vhd
 loading/gc_weight_bank.vhd
 common/gc_scale.vhd
 network/gc_input_scaler.vhd
+network/gc_phase.vhd
+network/gc_sin_cos.vhd
+network/gc_turn_stage.vhd
+network/gc_input_stage.vhd
 network/gc_hidden_lane.vhd
 network/gc_activation.vhd
 network/gc_output_layer.vhd

@@ -5,6 +5,7 @@ must exert: the potential's derivative, g times the sum over links k >= i of m_k
 link k and p_i the place of joint i.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -55,11 +56,13 @@ def from_table(table: dict, where: str) -> Arm:
     return Arm(*(np.array(values) for values in (model["lengths_m"], model["masses_kg"], workspace["reach_rad"])))
 
 
-def arm_toml(n_axes: int, counts_per_turn: str = "100000") -> str:
-    """robot.toml of an arm whose links get shorter and lighter; every axis has another drive."""
+def arm_toml(n_axes: int, counts_per_turn: str = "100000", inputs: Sequence[str] = ()) -> str:
+    """robot.toml of an arm whose links get shorter and lighter; every axis has another drive. inputs: by axis, or all
+    positions."""
     axes = [
         f"[[axis]]\ncounts_per_turn = {counts_per_turn}\neffort_per_ampere = {40.0 / (k + 1)}\n" for k in range(n_axes)
     ]
+    axes = [axis + f'input = "{kind}"\n' for axis, kind in zip(axes, inputs, strict=True)] if inputs else axes
     lengths, masses, reach = ([value * 0.7**k for k in range(n_axes)] for value in (0.4, 3.0, 1.5))
     return (
         f'name = "arm"\nclock_hz = 40e6\n\n[network]\nactivation = "gamma"\n\n[model]\nkind = "arm"\n'

@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.core.provenance import write_provenance
+from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.weights import Network, save_network
 from gravcomp.robot.machine import ROBOT_TOML, Drive, load_machine
+from runner import RTL
 
 SHIPPED = Path(__file__).resolve().parents[1] / "weights" / "spheiro"
 MACHINE = load_machine(SHIPPED)
@@ -29,6 +31,13 @@ def machine_folder(folder: Path, network: Network | None = None, text: str = MAC
         save_network(network, folder)
     write_provenance(folder, command="a test", data={}, metrics={}, machine=load_machine(folder))
     return folder
+
+
+def rtl_of(weights: Path, out: Path) -> Path:
+    """A copy of the VHDL in a new folder, with the ROM of a machine folder."""
+    shutil.copytree(RTL, out)
+    write_rom(weights, out / "generated")
+    return out
 
 
 def changed(*pairs: tuple[str, str], text: str = MACHINE.text) -> str:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gravcomp.network.weights import Network
+from gravcomp.network.weights import Network, load_network
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp.robot.spheiro.workspace import sample_workspace
@@ -18,6 +18,7 @@ from gravcomp_lab.paper.operations import (
     statics_on_counted,
 )
 from machines import P
+from runner import ROOT
 
 
 def random_network(n_axes, n_hidden, seed=0, gain=1.0):
@@ -84,13 +85,27 @@ def test_ordinary_array_code_counts_every_element():
 
 
 def test_network_of_20_neurons_takes_166_multiplications_and_43_sums():
-    count = count_network_operations(random_network(3, 20))
+    count, apart = count_network_operations(random_network(3, 20))
     assert count == OperationCount(multiplications=166, sums=43)
+    assert apart == OperationCount()
+
+
+def test_network_with_sines_and_cosines_costs_the_formula_and_they_are_counted_apart():
+    """p features, n neurons, m axes: p + p n + 2 n + n m + m products, 2 n + m sums. Apart per axis that turns: five
+    products, four of the phase and one for radians; three sums, of the phase and for either result."""
+    network = load_network(ROOT / "weights" / "ur5")
+    p, n, m = 12, network.n_hidden, 6
+    q = np.random.default_rng(4).uniform(-6, 6, (20, m))
+    for q_rad in q:
+        forces, count, apart = network_on_counted(network, q_rad)
+        np.testing.assert_allclose(forces, network.forces(q_rad), rtol=0, atol=1e-3)  # first order of b
+        assert count == OperationCount(multiplications=p + p * n + 2 * n + n * m + m, sums=2 * n + m)
+        assert apart == OperationCount(multiplications=5 * m, sums=3 * m)
 
 
 @pytest.mark.parametrize(("n_axes", "n_hidden"), [(3, 15), (3, 40), (1, 4)])
 def test_network_count_grows_with_its_size(n_axes, n_hidden):
-    count = count_network_operations(random_network(n_axes, n_hidden))
+    count, _ = count_network_operations(random_network(n_axes, n_hidden))
     assert count.multiplications == 2 * n_axes + 2 * n_hidden * (n_axes + 1)
     assert count.sums == 2 * n_hidden + n_axes
 
@@ -99,7 +114,7 @@ def test_network_count_grows_with_its_size(n_axes, n_hidden):
 def test_counted_network_computes_the_networks_forces(gain):
     network = random_network(3, 20, seed=1, gain=gain)
     for q in inverse_kinematics(sample_workspace(20, P, seed=2), P):
-        forces, count = network_on_counted(network, q)
+        forces, count, _ = network_on_counted(network, q)
         np.testing.assert_allclose(forces, network.forces(q), rtol=0, atol=1e-10)
         assert (count.multiplications, count.sums) == (166, 43)
 

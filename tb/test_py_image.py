@@ -51,8 +51,8 @@ def test_image_holds_the_constants_in_order(tmp_path, seed):
         for node in table.reshape(-1, 2):
             assert reader.record(18, 18) == node.tolist()
     widths = [32] * 2 * n + [18] * 3 * n + [net.output_sum_bits] * n + [18] * 2 * n + [PHASE_STEP_BITS] * n
-    limits = [*net.count_low, *net.count_high, *net.x_low, *net.x_high]
-    scales = [*net.input_scale, *net.output_bias, *net.output_scale, *net.current_scale, *added.phase_step]
+    limits = [*net.count_low, *net.count_high, *net.input_scale, *net.x_low, *net.x_high]
+    scales = [*net.output_bias, *net.output_scale, *net.current_scale, *added.phase_step]
     assert reader.record(*widths) == limits + scales
     assert reader.words == []
 

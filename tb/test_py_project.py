@@ -178,11 +178,11 @@ def test_make_test_finds_another_rom_and_another_force(copy):
 def test_make_elaborates_the_whole_system_and_compiles_the_driver(copy):
     assert make(copy, "elaborate").stdout.strip().endswith("gc_system: elaborated")
     assert make(copy, "driver").returncode == 0
-    assert make(copy, "elaborate", "LANES=3").returncode != 0
+    assert make(copy, "elaborate", "LANES=0").returncode != 0
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["slide", "arm2"])
+@pytest.mark.parametrize("name", ["slide", "arm2", "ur5"])
 def test_project_of_other_axes_holds_what_they_can_use(name, tmp_path):
     """GHDL analyses every source, elaborates the largest top, and computes the forces of the twin."""
     project = tmp_path / "project"
@@ -199,7 +199,7 @@ def test_project_of_other_axes_holds_what_they_can_use(name, tmp_path):
 def test_project_without_a_network_says_how_to_train_it(tmp_path, capsys):
     """In a folder with a space, too; the advice is a command of the user's shell."""
     project = tmp_path / "my project"
-    assert main(["new", str(project), "--robot", "ur5"]) == 0
+    assert main(["new", str(project), "--robot", "dvrk_mtm"]) == 0
     assert f"cd '{project}'" in capsys.readouterr().out
     done = make(project, "test")
     assert done.returncode != 0

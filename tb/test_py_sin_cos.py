@@ -1,15 +1,20 @@
 """Sine and cosine from the count, for every phase code and for counts over all their 32 bits."""
 
+import re
+import shutil
+from fractions import Fraction
+
 import numpy as np
+import pytest
 
 from gravcomp.cli import main
-from gravcomp.core.formats import OPERAND_BITS, PHASE_BITS, PHASE_SCALE_FRACTION, SIN_COS_FRACTION, quantise
+from gravcomp.core.formats import OPERAND_BITS, PHASE_BITS, SIN_COS_FRACTION, STEP_BITS, quantise
 from gravcomp.core.provenance import write_provenance
 from gravcomp.network.weights import Network, load_network, save_network
 from gravcomp.training.training import Effort, train, workspace_set
 from gravcomp.twin.network import core
 from gravcomp.twin.precision import MAX_SHARE
-from gravcomp.twin.sin_cos import ERROR_LSB, RADIAN, REST_BITS, phase, sin_cos
+from gravcomp.twin.sin_cos import ERROR_LSB, HALF_BITS, PHASE_ERROR_LSB, RADIAN, REST_BITS, phase, sin_cos
 from mechanisms import body, mechanism, mjcf
 
 
@@ -23,21 +28,31 @@ def test_sine_and_cosine_of_every_phase_are_within_the_bound():
     )
     print(f"MEASURED sine and cosine {worst:.2f} LSB off, bound {ERROR_LSB:.2f}")
     assert worst <= ERROR_LSB < 3
-    assert max(np.abs(sine).max(), np.abs(cosine).max()) < 2 ** (OPERAND_BITS - 1)
+    assert max(sine.max(), cosine.max()) < 2 ** (OPERAND_BITS - 1)
+    assert min(sine.min(), cosine.min()) >= -(2 ** (OPERAND_BITS - 1))
     # Operands of one multiplier.
     assert RADIAN * 2 ** (REST_BITS - 1) < 2 ** (OPERAND_BITS - 1)
 
 
-def test_phase_is_one_code_off_at_most_over_all_counts_and_wraps():
+def steps(counts_per_turn: Fraction) -> tuple[int, int]:
+    """Turns per 2^16 counts and per count, modulo a turn, as codes."""
+    return tuple(round((n / counts_per_turn % 1) * 2**STEP_BITS) for n in (2**HALF_BITS, 1))
+
+
+@pytest.mark.parametrize("counts_per_turn", [Fraction(n) for n in (1, 3, 4096, 8192000, 12345)] + [Fraction(2**31, 7)])
+def test_phase_is_within_its_bound_over_all_counts(counts_per_turn):
     rng = np.random.default_rng(1)
-    count = np.r_[-(2**31), 2**31 - 1, rng.integers(-(2**31), 2**31, 20000)]
-    for counts_per_turn in (4096, 8192000, 12345, 2.0**31 / 7):
-        scale = round(2.0**PHASE_SCALE_FRACTION / counts_per_turn)
-        turns = count / counts_per_turn
-        found = phase(count, np.int64(scale)) / 2.0**PHASE_BITS
-        off = np.abs((found - turns + 0.5) % 1.0 - 0.5) * 2**PHASE_BITS
-        assert off.max() <= 0.5 + 1.0, counts_per_turn
-    turn = phase(np.array([3, 3 + 4096, 3 - 4096]), np.int64(2**PHASE_SCALE_FRACTION // 4096))
+    edges = [-(2**31), 2**31 - 1, *(np.arange(-3, 4) * 2**16), *(np.arange(1, 8) * 2**16 - 1)]
+    count = [int(c) for c in np.r_[edges, rng.integers(-(2**31), 2**31, 20000)]]
+    found = phase(np.array(count), *steps(counts_per_turn))
+    exact = [float(c / counts_per_turn % 1) * 2**PHASE_BITS for c in count]
+    off = np.abs((found - exact + 2 ** (PHASE_BITS - 1)) % 2**PHASE_BITS - 2 ** (PHASE_BITS - 1))
+    print(f"MEASURED phase {off.max():.3f} LSB off at {counts_per_turn} counts per turn, bound {PHASE_ERROR_LSB}")
+    assert off.max() <= PHASE_ERROR_LSB < 1
+
+
+def test_a_turn_later_the_phase_is_the_same():
+    turn = phase(np.array([3, 3 + 4096, 3 - 4096]), *steps(Fraction(4096)))
     assert len(set(turn.tolist())) == 1
 
 
@@ -71,21 +86,56 @@ def test_bit_true_core_with_sine_and_cosine_is_the_float_network(tmp_path):
     assert np.sqrt(np.mean(error**2) / np.mean(machine.robot.forces(q) ** 2)) < 0.01
 
 
-def test_vhdl_refuses_sine_and_cosine_by_axis(tmp_path, capsys):
-    machine = small_turning_machine(tmp_path)
-    weights, units, inputs = np.ones((4, 3)) / 4, ("rad", "m"), ("sin_cos", "position")
+def drawn_machine(folder):
+    """The machine folder of a drawn network for the hinge and the slide."""
+    machine = small_turning_machine(folder)
+    rng, units, inputs = np.random.default_rng(7), ("rad", "m"), ("sin_cos", "position")
     one = np.ones(2)
     network = Network(
-        weights, np.zeros(4), np.ones((2, 4)) / 4, 0 * one, 0 * one, one, 0 * one, 20 * one, units, inputs
-    )
-    save_network(network, tmp_path)
-    write_provenance(tmp_path, command="a test", data={}, metrics={}, machine=machine)
-    assert main(["rom", "--weights", str(tmp_path), "--out", str(tmp_path / "rom")]) == 2
-    complaint = capsys.readouterr().err
-    assert complaint.count("\n") == 1
-    assert "robot.toml: axis 1: input = 'sin_cos': the core in VHDL takes positions alone as yet" in complaint
-    assert not (tmp_path / "rom").exists()
-    text = (tmp_path / "robot.toml").read_text()
-    (tmp_path / "robot.toml").write_text(text.replace('"sin_cos"', '"position"\nlow = -1\nhigh = 1'))
-    assert main(["rom", "--weights", str(tmp_path), "--out", str(tmp_path / "rom")]) == 2
-    assert "hidden.csv: axis 1 has columns of sin_cos, but robot.toml says position" in capsys.readouterr().err
+        rng.uniform(-1, 1, (4, 3)), np.zeros(4), np.ones((2, 4)) / 4, 0 * one, 0 * one, one, 0 * one, 20 * one, units,
+        inputs,
+    )  # fmt: skip
+    save_network(network, folder)
+    write_provenance(folder, command="a test", data={}, metrics={}, machine=machine)
+    return machine
+
+
+def test_rom_holds_the_axes_that_turn_and_their_steps(tmp_path):
+    drawn_machine(tmp_path)
+    assert main(["rom", "--weights", str(tmp_path), "--out", str(tmp_path / "rom")]) == 0
+    text = (tmp_path / "rom" / "gc_network_pkg.vhd").read_text()
+    assert re.search(r'turning_c +: std_ulogic_vector\(inputs_c - 1 downto 0\) := "01";', text)
+    for size, number in (("inputs", 2), ("features", 3), ("outputs", 2)):
+        assert re.search(rf"{size}_c +: positive := {number};", text)
+    for name, step in zip(("coarse", "fine"), steps(Fraction(100000)), strict=True):
+        assert f"{name}_step_c" in text
+        assert f'b"{0:035b}_{step:035b}"' in text
+
+
+def test_formats_cost_of_sine_and_cosine_is_told_by_their_columns(tmp_path, capsys):
+    drawn_machine(tmp_path)
+    assert main(["formats", "--weights", str(tmp_path)]) == 0
+    told = capsys.readouterr().out
+    assert re.search(r"hidden weights \| [\d.]+ \| hidden.csv row \d, (w_sin1|w_cos1|w_q2) = ", told)
+    assert "| turn beside its place, rad | -102912 | 102912 | 18 | 18 |" in told
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("= 100000", "= 100001", "axis 1: counts_per_turn is another than that of the core"),
+        ('input = "sin_cos"', 'input = "position"\nlow = -1\nhigh = 1', "axis 1 has columns of sin_cos, but"),
+    ],
+)  # fmt: skip
+def test_image_of_other_turns_is_refused(tmp_path, capsys, old, new, complaint):
+    drawn_machine(tmp_path / "core")
+    other = tmp_path / "other"
+    shutil.copytree(tmp_path / "core", other)
+    text = (other / "robot.toml").read_text()
+    assert old in text
+    (other / "robot.toml").write_text(text.replace(old, new))
+    assert main(["image", "--weights", str(other), "--rom", str(tmp_path / "core"), "--out", str(tmp_path / "i")]) == 2
+    told = capsys.readouterr().err
+    assert complaint in told
+    assert told.count("\n") == 1
+    assert not (tmp_path / "i").exists()

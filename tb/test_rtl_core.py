@@ -9,7 +9,7 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 from codes import fixed_network, pack, unpack
-from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
+from gravcomp.core.formats import COUNT_BITS, FORCE_BITS, FixedNetwork
 from gravcomp.twin import network as bittrue
 from gravcomp_lab.benches.core import (
     LANES,
@@ -47,7 +47,7 @@ async def random_gaps(dut):
 @cocotb.test()
 async def ready_at_its_interval(dut):
     """in_ready is low from each accepted input until the interval is over, and never else: neither late nor early."""
-    steps, rng = fixed_network().n_hidden // int(os.environ["LANES_G"]), np.random.default_rng(13)
+    steps, rng = lane_steps(fixed_network(), int(os.environ["LANES_G"])), np.random.default_rng(13)
     await start(dut)
     since_accepted = steps
     for _ in range(40 * steps):
@@ -85,13 +85,25 @@ def assert_run_is_right(run: CoreRun, lanes: int) -> None:
     expected = bittrue.core(run.count, fixed)
     for name in ("force_mn", "clamped", "saturated"):
         np.testing.assert_array_equal(getattr(run, name), getattr(expected, name))
-    steps = fixed.n_hidden // lanes
-    assert run.interval == steps
-    is_once = steps == 1
-    trees = int(np.ceil(np.log2(fixed.n_axes + 1))) + int(np.ceil(np.log2(lanes + is_once)))
-    in_turn = 2 * fixed.n_axes if fixed.n_axes > 1 else 0  # clocks of the shared multipliers
-    extra = 3 if is_once else in_turn + 2 if lanes == 1 else 0
-    assert run.latency == 14 + steps + trees + extra
+    assert run.interval == lane_steps(fixed, lanes)
+    assert run.latency == core_latency(fixed, lanes)
+
+
+def lane_steps(fixed: FixedNetwork, lanes: int) -> int:
+    """Clocks of the lanes for all neurons."""
+    return -(-fixed.n_hidden // lanes)
+
+
+def core_latency(fixed: FixedNetwork, lanes: int) -> int:
+    """Clocks from counts to forces, as the header of gc_core has them."""
+    steps, n = lane_steps(fixed, lanes), fixed.n_axes
+    is_once, is_serial = steps == 1, lanes == 1 and steps >= n
+    trees = int(np.ceil(np.log2(fixed.n_inputs + 1))) + int(np.ceil(np.log2(lanes + is_once)))
+    scaler = n if is_serial and n > 1 else 0  # a shared multiplier takes its clocks
+    turns = int(fixed.is_turning.sum())
+    wait = 11 + (turns if steps >= turns > 1 else 0) if turns else scaler
+    extra = 3 if is_once else 2 if lanes == 1 else 0
+    return 14 + steps + trees + extra + wait + scaler
 
 
 def check_core(lanes: int, **options) -> None:

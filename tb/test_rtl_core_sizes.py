@@ -1,35 +1,65 @@
 """gc_core with other networks: sizes come from the ROM package alone."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from arm import arm_toml
 from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.network.inputs import POSITION, SIN_COS
 from gravcomp.network.weights import Network
 from machines import machine_folder
 from test_rtl_core import check_core
 
 
-def random_network(n_axes: int, n_hidden: int) -> Network:
+def random_network(inputs: tuple[str, ...], n_hidden: int) -> Network:
+    n_axes, turns = len(inputs), np.array([kind == SIN_COS for kind in inputs])
     rng = np.random.default_rng(n_axes * 100 + n_hidden)
     return Network(
-        hidden_weights=rng.uniform(-3, 3, (n_hidden, n_axes)),
+        hidden_weights=rng.uniform(-3, 3, (n_hidden, n_axes + turns.sum())),
         hidden_bias=rng.uniform(-1, 1, n_hidden),
         output_weights=rng.uniform(-1, 1, (n_axes, n_hidden)),
         output_bias=rng.uniform(-0.2, 0.2, n_axes),
-        q_offset=rng.uniform(-0.05, 0.05, n_axes),
-        q_scale=rng.uniform(5, 8, n_axes),
+        q_offset=np.where(turns, 0.0, rng.uniform(-0.05, 0.05, n_axes)),
+        q_scale=np.where(turns, 1.0, rng.uniform(5, 8, n_axes)),
         f_offset=rng.uniform(-50, 50, n_axes),
         f_scale=rng.uniform(40, 70, n_axes),
         position_units=("rad",) * n_axes,
+        inputs=inputs,
     )
+
+
+def check_machine(inputs: tuple[str, ...], n_hidden: int, lanes: int, folder: Path, **options) -> None:
+    """gc_core of a random network equals its model, at its interval and latency."""
+    weights, generated = folder / "weights", folder / "generated"
+    machine_folder(weights, random_network(inputs, n_hidden), arm_toml(len(inputs), inputs=inputs))
+    write_rom(weights, generated)
+    label = f"{''.join(kind[0] for kind in inputs)}-{n_hidden}"
+    check_core(lanes, environment={"WEIGHTS": str(weights)}, generated=generated, label=label, **options)
 
 
 @pytest.mark.parametrize(
     ("n_axes", "n_hidden", "lanes"), [(3, 7, 7), (2, 8, 1), (2, 2, 1), (1, 4, 1), (1, 4, 4), (4, 6, 2)]
 )
 def test_core_takes_its_sizes_from_the_rom(n_axes, n_hidden, lanes, tmp_path):
-    folder, generated = tmp_path / "weights", tmp_path / "generated"
-    machine_folder(folder, random_network(n_axes, n_hidden), arm_toml(n_axes))
-    write_rom(folder, generated)
-    check_core(lanes, environment={"WEIGHTS": str(folder)}, generated=generated, label=f"{n_axes}-{n_hidden}")
+    check_machine((POSITION,) * n_axes, n_hidden, lanes, tmp_path)
+
+
+@pytest.mark.parametrize(("n_hidden", "lanes"), [(7, 2), (7, 4), (5, 8)])
+@pytest.mark.parametrize("loadable", ["false", "true"])
+def test_neurons_of_zero_weight_pad_what_lanes_do_not_divide(n_hidden, lanes, loadable, tmp_path):
+    check_machine((POSITION,) * 2, n_hidden, lanes, tmp_path, generics={"loadable_g": loadable})
+
+
+@pytest.mark.parametrize(
+    ("inputs", "n_hidden", "lanes"),
+    [
+        ((SIN_COS,), 3, 1),
+        ((SIN_COS, POSITION), 4, 1),  # each shares what it can
+        ((POSITION, SIN_COS, POSITION, SIN_COS), 4, 2),  # two steps: the turns share, the positions do not
+        ((SIN_COS, SIN_COS, POSITION), 4, 4),  # nothing is shared
+    ],
+)
+def test_core_sees_sine_and_cosine_of_axes_that_turn(inputs, n_hidden, lanes, tmp_path):
+    check_machine(inputs, n_hidden, lanes, tmp_path)

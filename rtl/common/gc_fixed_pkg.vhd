@@ -22,10 +22,37 @@ package gc_fixed_pkg is
     terms : positive
   ) return natural;
 
+  -- Bits that are '1'.
+
+  function ones (
+    bits : std_ulogic_vector
+  ) return natural;
+
+  -- Clocks that lanes take for so many words; where they do not divide them the last clock is padded with zeros.
+
+  function lane_steps (
+    words : positive;
+    lanes : positive
+  ) return positive;
+
   -- Latency of gc_scale, clocks.
 
   function scale_latency (
     values : positive;
+    serial : boolean
+  ) return natural;
+
+  -- Latency of gc_input_scaler, clocks: with one multiplier the codes wait a clock for it, else the products.
+
+  function scaler_latency (
+    values : positive;
+    serial : boolean
+  ) return natural;
+
+  -- Latency of gc_turn_stage, clocks.
+
+  function turn_latency (
+    turns : positive;
     serial : boolean
   ) return natural;
 
@@ -98,6 +125,61 @@ package body gc_fixed_pkg is
     return depth_v;
 
   end function tree_depth;
+
+  function ones (
+    bits : std_ulogic_vector
+  ) return natural is
+
+    variable ones_v : natural := 0;
+
+  begin
+
+    for i in bits'range loop
+
+      if bits(i) = '1' then
+        ones_v := ones_v + 1;
+      end if;
+
+    end loop;
+
+    return ones_v;
+
+  end function ones;
+
+  function lane_steps (
+    words : positive;
+    lanes : positive
+  ) return positive is
+  begin
+
+    return (words + lanes - 1) / lanes;
+
+  end function lane_steps;
+
+  function scaler_latency (
+    values : positive;
+    serial : boolean
+  ) return natural is
+  begin
+
+    return 1 + scale_latency(values, serial);
+
+  end function scaler_latency;
+
+  function turn_latency (
+    turns : positive;
+    serial : boolean
+  ) return natural is
+  begin
+
+    -- gc_phase, gc_sin_cos, the register that holds.
+    if serial and turns > 1 then
+      return turns + 6 + 7 + 1;
+    end if;
+
+    return 6 + 7 + 1;
+
+  end function turn_latency;
 
   function scale_latency (
     values : positive;

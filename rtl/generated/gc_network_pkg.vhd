@@ -19,10 +19,11 @@ package gc_network_pkg is
   -- Hz of the core's clock: the tables of friction hold for this one.
   constant clock_hz_c : positive := 40000000;
 
-  -- Sizes.
-  constant inputs_c  : positive := 3;
-  constant hidden_c  : positive := 20;
-  constant outputs_c : positive := 3;
+  -- Sizes: encoder counts in, what the hidden layer sees of them, hidden neurons, efforts out.
+  constant inputs_c   : positive := 3;
+  constant features_c : positive := 3;
+  constant hidden_c   : positive := 20;
+  constant outputs_c  : positive := 3;
 
   -- Widths of the ports.
   constant count_bits_c   : positive := 32;
@@ -45,6 +46,15 @@ package gc_network_pkg is
     b"100000000000000001_100000000000000001_100000000000000001";
   constant x_high_c : signed(53 downto 0) :=
     b"011111111111111100_011111111111111100_011111111111111100";
+
+  -- Axes, axis 1 lowest, whose sine and cosine the hidden layer sees; turns per 2**16 counts and per count of them.
+  constant turning_c     : std_ulogic_vector(inputs_c - 1 downto 0) := "000";
+  constant phase_bits_c  : positive := 18;
+  constant step_bits_c   : positive := 35;
+  constant coarse_step_c : signed(104 downto 0) :=
+    b"00000000000000000000000000000000000_00000000000000000000000000000000000_00000000000000000000000000000000000";
+  constant fine_step_c   : signed(104 downto 0) :=
+    b"00000000000000000000000000000000000_00000000000000000000000000000000000_00000000000000000000000000000000000";
 
   -- Hidden layer.
   constant weight_fraction_c        : natural  := 15;

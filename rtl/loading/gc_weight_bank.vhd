@@ -41,7 +41,9 @@ end entity gc_weight_bank;
 
 architecture rtl of gc_weight_bank is
 
-  constant steps_c : positive := words_g / lanes_g;
+  constant steps_c : positive := lane_steps(words_g, lanes_g);
+  -- Whether the last word of this lane pads the table: no record is written there, the ROM has its zeros.
+  constant pads_c  : boolean  := (steps_c - 1) * lanes_g + lane_g >= words_g;
 
   -- At least one bit: a lane of one word has its address too.
 
@@ -160,7 +162,7 @@ begin
     if rising_edge(clk) then
       if advance = '1' then
         word <= bank_word;
-        if memory.bank = "00" then
+        if memory.bank = "00" or (pads_c and address = steps_c - 1) then
           word <= rom_word;
         end if;
       end if;

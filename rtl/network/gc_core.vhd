@@ -2,11 +2,13 @@
 --
 -- f = S_o (W_o^T Gamma(W_H^T S_i count + b_H) + b_o): encoder counts in, holding forces out.
 --
--- lanes_g neurons per clock; 166 multiplications and 43 sums per inference at hidden size 20 and three axes.
--- Formats: 32-bit counts -> 24 bits, mN. Initiation interval: hidden_c / lanes_g clocks (in_ready); latency from
--- accepted counts to forces: 14 + ceil(log2(inputs_c + 1)) + ceil(log2(lanes_g)) + hidden_c / lanes_g clocks; with one
--- lane inputs_c + outputs_c + 2 more, 2 with one axis, as its scalers share a multiplier each; with all neurons at once
--- 18 + ceil(log2(inputs_c + 1)) + ceil(log2(hidden_c + 1)), as the bias is a term of the last sum.
+-- lanes_g neurons per clock; 166 multiplications and 43 sums per inference at hidden size 20 and three axes; with n
+-- neurons, p features and m axes p + p n + 2 n + n m + m and 2 n + m, those of gc_turn_stage apart.
+-- Formats: 32-bit counts -> 24 bits, mN. Initiation interval: s = n / lanes_g clocks, rounded up (in_ready); latency
+-- from accepted counts to forces: 14 + ceil(log2(p + 1)) + ceil(log2(lanes_g)) + s clocks; with one lane 2 m + 2 more,
+-- 2 with one axis, as its scalers share a multiplier each; with all neurons at once
+-- 18 + ceil(log2(p + 1)) + ceil(log2(lanes_g + 1)), as the bias is a term of the last sum. Where an axis turns, the
+-- input takes turn_latency in place of scaler_latency (gc_fixed_pkg).
 -- Overflow: no intermediate can, for any count. Illegal input: counts outside the trained range are clamped and
 -- flagged; an output that does not fit saturates and is flagged.
 
@@ -23,7 +25,7 @@ library work;
 
 entity gc_core is
   generic (
-    -- Neurons per clock; must divide the hidden size.
+    -- Neurons per clock; where it does not divide the hidden size, neurons of zero weight are added.
     lanes_g    : positive := 4;
     -- Whether the constants can be replaced, through the ports memory and scalars.
     loadable_g : boolean := false
@@ -53,7 +55,7 @@ end entity gc_core;
 
 architecture rtl of gc_core is
 
-  constant steps_c   : positive := hidden_c / lanes_g;
+  constant steps_c   : positive := lane_steps(hidden_c, lanes_g);
   -- With 20 clocks per inference one multiplier per scaler is enough.
   constant serial_c  : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
   -- With all neurons at once the lanes are all over the chip: x travels two clocks longer, to a copy per region and on
@@ -61,7 +63,7 @@ architecture rtl of gc_core is
   constant spread_c  : boolean  := steps_c = 1;
   constant regions_c : positive := 4;
   -- From x to force: copies, lane, activation, output layer, output scaler.
-  constant delay_c   : positive := 3 * boolean'pos(spread_c) + hidden_latency(inputs_c, lanes_g) + activation_clocks_c
+  constant delay_c   : positive := 3 * boolean'pos(spread_c) + hidden_latency(features_c, lanes_g) + activation_clocks_c
                                    + (steps_c - 1 + output_latency(lanes_g, steps_c))
                                    + (1 + scale_latency(outputs_c, serial_c));
 
@@ -71,12 +73,12 @@ architecture rtl of gc_core is
   signal step         : std_ulogic_vector(steps_c - 1 downto 0);
   signal accept       : std_ulogic;
   signal x_valid      : std_ulogic;
-  signal x            : signed(inputs_c * operand_bits_c - 1 downto 0);
+  signal x            : signed(features_c * operand_bits_c - 1 downto 0);
   signal x_clamped    : std_ulogic_vector(inputs_c - 1 downto 0);
   signal lane_valid   : std_ulogic;
   -- The copies of x, one per region.
   signal region_valid : std_ulogic_vector(regions_c - 1 downto 0);
-  signal region_x     : signed(regions_c * inputs_c * operand_bits_c - 1 downto 0);
+  signal region_x     : signed(regions_c * features_c * operand_bits_c - 1 downto 0);
   signal h_valid      : std_ulogic_vector(lanes_g - 1 downto 0);
   signal h            : signed(lanes_g * operand_bits_c - 1 downto 0);
   signal total_valid  : std_ulogic;
@@ -85,9 +87,10 @@ architecture rtl of gc_core is
 
 begin
 
-  assert hidden_c mod lanes_g = 0
-    report "gc_core: need lanes_g that divides " & integer'image(hidden_c) & " neurons, got " & integer'image(lanes_g)
-    severity failure;
+  assert steps_c * lanes_g = hidden_c
+    report "gc_core: " & integer'image(hidden_c) & " neurons and " & integer'image(steps_c * lanes_g - hidden_c)
+           & " of zero weight, so that " & integer'image(lanes_g) & " lanes divide them"
+    severity note;
 
   -- The one place where ROM or loaded scalars are chosen; as a top of its own it needs no loaded ones.
   used <= in_use(loadable_g, scalars);
@@ -121,9 +124,10 @@ begin
       out_turn => step
     );
 
-  i_input_scaler : entity work.gc_input_scaler
+  i_input_stage : entity work.gc_input_stage
     generic map (
-      serial_g => serial_c
+      serial_g => serial_c,
+      shared_g => steps_c >= ones(turning_c)
     )
     port map (
       clk         => clk,
@@ -159,7 +163,7 @@ begin
 
   g_lane : for lane in 0 to lanes_g - 1 generate
     signal near_valid  : std_ulogic;
-    signal near_x      : signed(inputs_c * operand_bits_c - 1 downto 0);
+    signal near_x      : signed(features_c * operand_bits_c - 1 downto 0);
     signal a_valid     : std_ulogic;
     signal a           : operand_t;
     signal gamma_valid : std_ulogic;

@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: MIT
 --
--- a = W x + b for one hidden neuron per clock: inputs_c products and one n-ary sum with the bias, then saturation to
+-- a = W x + b for one hidden neuron per clock: features_c products and one n-ary sum with the bias, then saturation to
 -- the range [-L, L) of the activation.
 --
 -- Lane l of lanes_g computes the neurons l, l + lanes_g ... in turn, one per in_valid, all on the same x.
 -- Formats: 18 bits, x_fraction_c -> 18 bits, preactivation_fraction_c, truncated (half LSB in the bias).
--- Latency: 3 + ceil(log2(inputs_c + 1)) clocks, one more with one lane. Overflow: the sum cannot, hidden_sum_bits_c
+-- Latency: 3 + ceil(log2(features_c + 1)) clocks, one more with one lane. Overflow: the sum cannot, hidden_sum_bits_c
 -- holds every partial sum.
 
 library ieee;
@@ -31,8 +31,8 @@ entity gc_hidden_lane is
     -- Synchronous, active high; clears valid and state.
     rst       : in    std_ulogic;
     in_valid  : in    std_ulogic;
-    -- Normalised positions, axis 1 lowest.
-    in_x      : in    signed(inputs_c * operand_bits_c - 1 downto 0);
+    -- What gc_input_stage tells of the axes, axis 1 lowest.
+    in_x      : in    signed(features_c * operand_bits_c - 1 downto 0);
     out_valid : out   std_ulogic;
     -- Pre-activation of the neuron.
     out_a     : out   operand_t;
@@ -44,14 +44,14 @@ end entity gc_hidden_lane;
 architecture rtl of gc_hidden_lane is
 
   constant sum_bits_c     : positive := hidden_sum_bits_c;
-  constant bias_low_c     : positive := inputs_c * operand_bits_c;
+  constant bias_low_c     : positive := features_c * operand_bits_c;
   constant product_bits_c : positive := 2 * operand_bits_c;
 
   signal word      : std_ulogic_vector(hidden_word_bits_c - 1 downto 0);
   signal bias_1    : signed(sum_bits_c - 1 downto 0);
   signal bias_2    : signed(sum_bits_c - 1 downto 0);
-  signal valid_2   : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal terms_2   : signed((inputs_c + 1) * sum_bits_c - 1 downto 0);
+  signal valid_2   : std_ulogic_vector(features_c - 1 downto 0);
+  signal terms_2   : signed((features_c + 1) * sum_bits_c - 1 downto 0);
   signal sum_valid : std_ulogic;
   signal sum       : signed(sum_bits_c - 1 downto 0);
   signal valid_a   : std_ulogic := '0';
@@ -99,7 +99,7 @@ begin
 
   -- stages 1 and 2: multiply
 
-  g_input : for i in 0 to inputs_c - 1 generate
+  g_input : for i in 0 to features_c - 1 generate
     signal product_2 : signed(product_bits_c - 1 downto 0);
   begin
 
@@ -131,11 +131,11 @@ begin
 
   end process p_bias;
 
-  terms_2((inputs_c + 1) * sum_bits_c - 1 downto inputs_c * sum_bits_c) <= bias_2;
+  terms_2((features_c + 1) * sum_bits_c - 1 downto features_c * sum_bits_c) <= bias_2;
 
   i_sum : entity work.gc_adder_tree
     generic map (
-      terms_g       => inputs_c + 1,
+      terms_g       => features_c + 1,
       bits_g        => sum_bits_c,
       term_clocks_g => hidden_term_clocks(lanes_g)
     )

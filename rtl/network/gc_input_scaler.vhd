@@ -1,12 +1,13 @@
 -- SPDX-License-Identifier: MIT
 --
 -- x = S_i count: drops count_shift_c bits of each encoder count, multiplies by the scale, clamps to the trained range.
+-- Axes that turn are left out: gc_turn_stage takes them.
 --
 -- The count is compared while it is multiplied: the product of a count outside the range is replaced by that of the
 -- limit.
 -- The offset of the normalisation and the half LSBs of the two truncations are part of the hidden biases.
--- Formats: 32-bit counts -> 18 bits, x_fraction_c. Latency: 3 clocks, or inputs_c + 3 with one multiplier; out_x holds
--- until the next result. Overflow: cannot happen after the clamp. Illegal input: a count outside the trained range is
+-- Formats: 32-bit counts -> 18 bits, x_fraction_c. Latency: 3 clocks, or their number + 3 with one multiplier; out_x
+-- holds until the next result. Overflow: cannot happen after the clamp. Illegal input: a count outside the trained range is
 -- clamped and its bit of out_clamped set.
 
 library ieee;
@@ -33,10 +34,10 @@ entity gc_input_scaler is
     -- Encoder counts, axis 1 lowest.
     in_count    : in    signed(inputs_c * count_bits_c - 1 downto 0);
     out_valid   : out   std_ulogic;
-    -- Normalised positions, axis 1 lowest.
-    out_x       : out   signed(inputs_c * operand_bits_c - 1 downto 0);
-    -- Count of this axis was outside the trained range.
-    out_clamped : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    -- Normalised positions of the axes that do not turn, the first lowest.
+    out_x       : out   signed((inputs_c - ones(turning_c)) * operand_bits_c - 1 downto 0);
+    -- Count of such an axis was outside the trained range.
+    out_clamped : out   std_ulogic_vector(inputs_c - ones(turning_c) - 1 downto 0);
     -- Constants in use.
     scalars     : in    scalars_t := rom_scalars_c
   );
@@ -45,6 +46,7 @@ end entity gc_input_scaler;
 architecture rtl of gc_input_scaler is
 
   constant product_bits_c : positive := 2 * operand_bits_c;
+  constant positions_c    : natural  := inputs_c - ones(turning_c);
 
   -- What a count within the trained range is to the multiplier.
 
@@ -57,67 +59,76 @@ architecture rtl of gc_input_scaler is
 
   end function code;
 
-  signal codes   : signed(inputs_c * operand_bits_c - 1 downto 0);
-  -- Axis i: below the range 2 i, above it 2 i + 1.
-  signal outside : std_ulogic_vector(2 * inputs_c - 1 downto 0);
-  signal far     : std_ulogic_vector(2 * inputs_c - 1 downto 0);
+  signal codes   : signed(positions_c * operand_bits_c - 1 downto 0);
+  signal scales  : signed(positions_c * operand_bits_c - 1 downto 0);
+  -- Position k: below the range 2 k, above it 2 k + 1.
+  signal outside : std_ulogic_vector(2 * positions_c - 1 downto 0);
+  signal far     : std_ulogic_vector(2 * positions_c - 1 downto 0);
   signal valid   : std_ulogic;
-  signal product : signed(inputs_c * product_bits_c - 1 downto 0);
-  signal x       : signed(inputs_c * operand_bits_c - 1 downto 0);
-  signal clamped : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal product : signed(positions_c * product_bits_c - 1 downto 0);
+  signal x       : signed(positions_c * operand_bits_c - 1 downto 0);
+  signal clamped : std_ulogic_vector(positions_c - 1 downto 0);
 
 begin
 
   g_axis : for i in 0 to inputs_c - 1 generate
-    constant low_c  : natural := i * operand_bits_c;
-    constant high_c : natural := low_c + operand_bits_c - 1;
-    signal   count  : signed(count_bits_c - 1 downto 0);
-  begin
 
-    count <= in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
-    codes(high_c downto low_c) <= code(count);
-
-    -- stage 1: compare; holds until the next count
-
-    p_compare : process (clk) is
+    g_position : if turning_c(i) = '0' generate
+      -- Place among the positions, and among all that the hidden layer sees.
+      constant k_c     : natural := i - ones(turning_c(i downto 0));
+      constant first_c : natural := (i + ones(turning_c(i downto 0))) * operand_bits_c;
+      constant low_c   : natural := k_c * operand_bits_c;
+      constant high_c  : natural := low_c + operand_bits_c - 1;
+      signal   count   : signed(count_bits_c - 1 downto 0);
     begin
 
-      if rising_edge(clk) then
-        if in_valid = '1' then
-          outside(2 * i) <= '0';
-          if count < scalars.count_low((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
-            outside(2 * i) <= '1';
-          end if;
-          outside(2 * i + 1) <= '0';
-          if count > scalars.count_high((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
-            outside(2 * i + 1) <= '1';
+      count <= in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
+      codes(high_c downto low_c) <= code(count);
+      scales(high_c downto low_c) <= scalars.input_scale((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
+
+      -- stage 1: compare; holds until the next count
+
+      p_compare : process (clk) is
+      begin
+
+        if rising_edge(clk) then
+          if in_valid = '1' then
+            outside(2 * k_c) <= '0';
+            if count < scalars.count_low((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
+              outside(2 * k_c) <= '1';
+            end if;
+            outside(2 * k_c + 1) <= '0';
+            if count > scalars.count_high((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
+              outside(2 * k_c + 1) <= '1';
+            end if;
           end if;
         end if;
-      end if;
 
-    end process p_compare;
+      end process p_compare;
 
-    -- clamp
+      -- clamp
 
-    p_clamp : process (all) is
+      p_clamp : process (all) is
 
-      variable x_v : operand_t;
+        variable x_v : operand_t;
 
-    begin
+      begin
 
-      x_v := truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), input_scale_fraction_c,
-                      operand_bits_c);
+        x_v := truncate(product((k_c + 1) * product_bits_c - 1 downto k_c * product_bits_c), input_scale_fraction_c,
+                        operand_bits_c);
 
-      if far(2 * i) = '1' then
-        x_v := scalars.x_low(high_c downto low_c);
-      elsif far(2 * i + 1) = '1' then
-        x_v := scalars.x_high(high_c downto low_c);
-      end if;
+        if far(2 * k_c) = '1' then
+          x_v := scalars.x_low(first_c + operand_bits_c - 1 downto first_c);
+        elsif far(2 * k_c + 1) = '1' then
+          x_v := scalars.x_high(first_c + operand_bits_c - 1 downto first_c);
+        end if;
 
-      x(high_c downto low_c) <= x_v;
-      clamped(i) <= far(2 * i) or far(2 * i + 1);
+        x(high_c downto low_c) <= x_v;
+        clamped(k_c) <= far(2 * k_c) or far(2 * k_c + 1);
 
-    end process p_clamp;
+      end process p_clamp;
+
+    end generate g_position;
 
   end generate g_axis;
 
@@ -125,7 +136,7 @@ begin
 
   g_serial : if serial_g generate
     signal valid_1 : std_ulogic := '0';
-    signal codes_1 : signed(inputs_c * operand_bits_c - 1 downto 0);
+    signal codes_1 : signed(positions_c * operand_bits_c - 1 downto 0);
   begin
 
     p_wait : process (clk) is
@@ -145,7 +156,7 @@ begin
 
     i_scale : entity work.gc_scale
       generic map (
-        values_g => inputs_c,
+        values_g => positions_c,
         serial_g => true
       )
       port map (
@@ -155,13 +166,13 @@ begin
         in_values    => codes_1,
         out_valid    => valid,
         out_products => product,
-        factors      => scalars.input_scale
+        factors      => scales
       );
 
     i_far : entity work.gc_delay
       generic map (
-        bits_g   => 2 * inputs_c,
-        clocks_g => scale_latency(inputs_c, true)
+        bits_g   => 2 * positions_c,
+        clocks_g => scale_latency(positions_c, true)
       )
       port map (
         clk      => clk,
@@ -178,13 +189,13 @@ begin
 
   g_parallel : if not serial_g generate
     signal valid_3   : std_ulogic := '0';
-    signal x_3       : signed(inputs_c * operand_bits_c - 1 downto 0);
-    signal clamped_3 : std_ulogic_vector(inputs_c - 1 downto 0);
+    signal x_3       : signed(positions_c * operand_bits_c - 1 downto 0);
+    signal clamped_3 : std_ulogic_vector(positions_c - 1 downto 0);
   begin
 
     i_scale : entity work.gc_scale
       generic map (
-        values_g => inputs_c
+        values_g => positions_c
       )
       port map (
         clk          => clk,
@@ -193,7 +204,7 @@ begin
         in_values    => codes,
         out_valid    => valid,
         out_products => product,
-        factors      => scalars.input_scale
+        factors      => scales
       );
 
     p_clamped : process (clk) is

@@ -3,7 +3,7 @@
 -- total = V h + b: output products of lanes_g neurons per clock, an adder tree over the lanes, one accumulator per
 -- output that starts from the bias. With all neurons in one clock the bias is a term of the tree instead.
 --
--- In_valid comes hidden_c / lanes_g times per inference, neurons in the order of gc_hidden_lane.
+-- In_valid comes ceil(hidden_c / lanes_g) times per inference, neurons in the order of gc_hidden_lane.
 -- Formats: 18 bits, hidden_fraction_c -> output_sum_bits_c, full precision. Latency from the last in_valid of an
 -- inference: 3 + ceil(log2(lanes_g)) clocks, 4 with one lane, 3 + ceil(log2(lanes_g + 1)) with all neurons in one
 -- clock. Overflow: cannot happen, output_sum_bits_c holds every partial sum.
@@ -45,7 +45,7 @@ end entity gc_output_layer;
 
 architecture rtl of gc_output_layer is
 
-  constant steps_c        : positive := hidden_c / lanes_g;
+  constant steps_c        : positive := lane_steps(hidden_c, lanes_g);
   constant sum_bits_c     : positive := output_sum_bits_c;
   constant product_bits_c : positive := 2 * operand_bits_c;
 

@@ -3,8 +3,8 @@
 -- The weights of one lane, one word per neuron: out_word is word 0 until in_valid, then the next one, and after the
 -- last word of the lane word 0 again. The word of a neuron thus stands ready beside its data without a wait.
 --
--- Lane l of lanes_g holds the words l, l + lanes_g, l + 2 lanes_g ... of the table. Latency: word k + 1 is there one
--- clock after the k-th in_valid.
+-- Lane l of lanes_g holds the words l, l + lanes_g, l + 2 lanes_g ... of the table, and a word of zeros where the lanes
+-- do not divide it. Latency: word k + 1 is there one clock after the k-th in_valid.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -36,7 +36,7 @@ end entity gc_weight_rom;
 
 architecture rtl of gc_weight_rom is
 
-  constant steps_c : positive := words_g / lanes_g;
+  constant steps_c : positive := lane_steps(words_g, lanes_g);
   -- A power of two: an address never points outside.
   constant depth_c : positive := 2 ** tree_depth(steps_c);
 
@@ -54,8 +54,10 @@ architecture rtl of gc_weight_rom is
 
     for k in 0 to steps_c - 1 loop
 
-      low_v := (k * lanes_g + lane_g) * word_bits_g;
-      words_v(k) := table_a(low_v + word_bits_g - 1 downto low_v);
+      if k * lanes_g + lane_g < words_g then
+        low_v := (k * lanes_g + lane_g) * word_bits_g;
+        words_v(k) := table_a(low_v + word_bits_g - 1 downto low_v);
+      end if;
 
     end loop;
 
@@ -91,10 +93,10 @@ architecture rtl of gc_weight_rom is
 
 begin
 
-  assert table_g'length = words_g * word_bits_g and words_g mod lanes_g = 0 and lane_g < lanes_g
-    report "gc_weight_rom: need " & integer'image(words_g * word_bits_g) & " table bits and lanes that divide "
-           & integer'image(words_g) & " words, got " & integer'image(table_g'length) & " bits and lane "
-           & integer'image(lane_g) & " of " & integer'image(lanes_g)
+  assert table_g'length = words_g * word_bits_g and lane_g < lanes_g
+    report "gc_weight_rom: need " & integer'image(words_g * word_bits_g) & " table bits, got "
+           & integer'image(table_g'length) & ", and a lane of " & integer'image(lanes_g) & ", got "
+           & integer'image(lane_g)
     severity failure;
 
   g_constant : if steps_c = 1 generate

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 --
--- What is not in a table; per axis, axis 1 lowest. Written by `make regs` from facts.toml; do not edit.
+-- What is not in a table; axis 1 lowest. Written by `make regs` from facts.toml; do not edit.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -16,9 +16,9 @@ package gc_scalars_pkg is
   type scalars_t is record
     count_low     : signed(inputs_c * count_bits_c - 1 downto 0);
     count_high    : signed(inputs_c * count_bits_c - 1 downto 0);
-    x_low         : signed(inputs_c * operand_bits_c - 1 downto 0);
-    x_high        : signed(inputs_c * operand_bits_c - 1 downto 0);
     input_scale   : signed(inputs_c * operand_bits_c - 1 downto 0);
+    x_low         : signed(features_c * operand_bits_c - 1 downto 0);
+    x_high        : signed(features_c * operand_bits_c - 1 downto 0);
     output_bias   : signed(outputs_c * output_sum_bits_c - 1 downto 0);
     output_scale  : signed(outputs_c * operand_bits_c - 1 downto 0);
     current_scale : signed(outputs_c * operand_bits_c - 1 downto 0);
@@ -29,8 +29,8 @@ package gc_scalars_pkg is
     inputs_c * count_bits_c
     + inputs_c * count_bits_c
     + inputs_c * operand_bits_c
-    + inputs_c * operand_bits_c
-    + inputs_c * operand_bits_c
+    + features_c * operand_bits_c
+    + features_c * operand_bits_c
     + outputs_c * output_sum_bits_c
     + outputs_c * operand_bits_c
     + outputs_c * operand_bits_c
@@ -39,9 +39,9 @@ package gc_scalars_pkg is
   constant rom_scalars_c : scalars_t := (
     count_low     => flat(count_low_c),
     count_high    => flat(count_high_c),
+    input_scale   => input_scale_c,
     x_low         => x_low_c,
     x_high        => x_high_c,
-    input_scale   => input_scale_c,
     output_bias   => output_bias_c,
     output_scale  => output_scale_c,
     current_scale => current_scale_c,
@@ -76,9 +76,9 @@ package body gc_scalars_pkg is
   begin
     take(scalars_v.count_low);
     take(scalars_v.count_high);
+    take(scalars_v.input_scale);
     take(scalars_v.x_low);
     take(scalars_v.x_high);
-    take(scalars_v.input_scale);
     take(scalars_v.output_bias);
     take(scalars_v.output_scale);
     take(scalars_v.current_scale);

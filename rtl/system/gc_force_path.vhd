@@ -18,7 +18,7 @@ library work;
 
 entity gc_force_path is
   generic (
-    -- Neurons per clock; must divide the hidden size.
+    -- Neurons per clock.
     lanes_g           : positive := 4;
     -- Clocks that an encoder level must last, 0 = no filter.
     filter_samples_g  : natural := 4;

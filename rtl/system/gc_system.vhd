@@ -19,7 +19,7 @@ library work;
 
 entity gc_system is
   generic (
-    -- Neurons per clock; must divide the hidden size.
+    -- Neurons per clock.
     lanes_g           : positive := 4;
     -- Hz of clk: that of the ROM, whose friction holds for it.
     clock_hz_g        : positive := 40_000_000;

@@ -75,9 +75,9 @@ IMAGE_SECTIONS = ("hidden", "output", "friction", "mu", "position", "scalar")
 IMAGE_SCALARS = {
     "count_low": "count",
     "count_high": "count",
+    "input_scale": "operand",
     "x_low": "operand",
     "x_high": "operand",
-    "input_scale": "operand",
     "output_bias": "output_sum",
     "output_scale": "operand",
     "current_scale": "operand",

@@ -12,7 +12,7 @@ library work;
 
 entity gc_hold_bench is
   generic (
-    -- Neurons per clock; must divide the hidden size.
+    -- Neurons per clock.
     lanes_g : positive := 4;
     -- Encoder count of every axis.
     count_g : integer := 0

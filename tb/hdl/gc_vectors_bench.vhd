@@ -16,7 +16,7 @@ library work;
 
 entity gc_vectors_bench is
   generic (
-    -- Neurons per clock; must divide the hidden size.
+    -- Neurons per clock.
     lanes_g   : positive := 4;
     -- Path of the file.
     vectors_g : string := "vectors.txt"

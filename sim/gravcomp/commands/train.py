@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from gravcomp.errors import InputError
-from gravcomp.training import BACKENDS
+from gravcomp.training import BACKENDS, POLISH_STEPS
 
 # Of 50 steps each: a network of another activation starts far from where it ends.
 _ROUNDS = 60
@@ -28,6 +28,13 @@ def add_arguments(parser):
     parser.add_argument("--poses", type=int, default=3500, help="training poses (default %(default)s)")
     parser.add_argument(
         "--search", type=float, default=1.0, metavar="PART", help="of the usual draws and hops (default %(default)s)"
+    )
+    parser.add_argument(
+        "--polish",
+        type=int,
+        default=POLISH_STEPS,
+        metavar="STEPS",
+        help="of the best start, at most (default %(default)s)",
     )
     parser.add_argument("--backend", choices=BACKENDS, default="loky", help="of joblib (default %(default)s)")
 
@@ -47,6 +54,8 @@ def run(arguments):
         raise InputError(f"{arguments.out}: is a file; give a folder")
     if not 0 < arguments.search <= 100:
         raise InputError(f"--search {arguments.search:g}: give more than 0, 1 for the usual search, 100 at most")
+    if arguments.polish < 1:
+        raise InputError(f"--polish {arguments.polish}: give 1 step or more")
     folder = arguments.robot or arguments.start
     machine = machine_of_samples(folder, arguments.data) if arguments.data else load_machine(folder)
     data, unseen = training_and_test_set(arguments.poses, machine.robot, arguments.seed)
@@ -67,10 +76,12 @@ def run(arguments):
             seed=arguments.seed,
             activation=machine.activation,
             backend=arguments.backend,
+            polish=arguments.polish,
             effort=effort_of_size(arguments.hidden, n_inputs, machine.n_axes, arguments.search),
         )
         how = f"--robot {folder} --hidden {arguments.hidden} --starts {arguments.starts}"
         how += f" --search {arguments.search:g}" if arguments.search != 1.0 else ""
+        how += f" --polish {arguments.polish}" if arguments.polish != POLISH_STEPS else ""
     metrics = evaluate(network, data, unseen, machine.activation)
     save_folder(arguments.out, MachineFolder(machine, network, load_compensation(folder, machine.n_axes)))
     how += f" --data {arguments.data}" if arguments.data else ""

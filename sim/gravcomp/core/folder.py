@@ -13,7 +13,6 @@ from gravcomp.core.compensation import COMPENSATION_CSV, Compensation, load_comp
 from gravcomp.core.provenance import PROVENANCE_JSON
 from gravcomp.errors import InputError
 from gravcomp.files import write_all_atomically
-from gravcomp.network.inputs import SIN_COS
 from gravcomp.network.weights import HIDDEN_CSV, SCALING_CSV, Network, load_network, network_bytes, save_network
 from gravcomp.robot.machine import HARDWARE_ACTIVATION, ROBOT_TOML, Machine, load_machine
 
@@ -38,7 +37,6 @@ def load_folder(folder: Path | str) -> MachineFolder:
     folder = Path(folder)
     machine, network = load_machine(folder), load_network(folder)
     check_network(folder, machine, network)
-    _check_core_inputs(folder, machine)
     if machine.activation != HARDWARE_ACTIVATION:
         raise InputError(
             f"{folder / ROBOT_TOML}: [network] activation = {machine.activation!r}, but the hardware runs "
@@ -81,15 +79,6 @@ def check_network(folder: Path, machine: Machine, network: Network) -> None:
     for axis, (own, given) in enumerate(zip(machine.inputs, network.inputs, strict=True), start=1):
         if own != given:
             raise InputError(f"{folder / HIDDEN_CSV}: axis {axis} has columns of {given}, but {ROBOT_TOML} says {own}")
-
-
-def _check_core_inputs(folder: Path, machine: Machine) -> None:
-    for axis, own in enumerate(machine.inputs, start=1):
-        if own == SIN_COS:
-            raise InputError(
-                f"{folder / ROBOT_TOML}: axis {axis}: input = {own!r}: the core in VHDL takes positions alone as yet; "
-                "give position and train again"
-            )
 
 
 def _check_provenance(folder: Path, machine: Machine) -> None:

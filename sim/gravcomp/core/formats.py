@@ -32,7 +32,7 @@ CURRENT_BITS = 32  # uA
 ACCUMULATOR_BITS = 48  # the widest sum that any vendor's DSP column adds in one go
 
 PHASE_BITS = 18  # of a turn
-PHASE_SCALE_FRACTION = 48  # a count of 32 bits is then at most one phase code off
+STEP_BITS = 35  # of a turn, in what a count adds to the phase: an operand, and the rest of one without its sign
 SIN_COS_FRACTION = 17
 
 PREACTIVATION_FRACTION = 16  # a in [-L, L) = [-2, 2)
@@ -54,8 +54,10 @@ _SCALE_FRACTION_MAX = 31  # half of it must fit a VHDL integer; products of 36 b
 class FixedNetwork:
     """The integers and formats of one network in hardware. n axes, p inputs, h hidden neurons.
 
-    inputs (n,): position or sin_cos; the latter's count is not clamped, and phase_scale (n,) is 0 for the former.
-    count_low, count_high (n,): clamp, encoder counts. count_shift: bits of the count dropped before scaling.
+    inputs (n,): position or sin_cos. coarse_step, fine_step (n,): turns per 2^16 counts and per count of a sin_cos
+    axis, modulo a turn, STEP_BITS fraction bits; 0 for the others.
+    count_low, count_high (n,): clamp, encoder counts; of a sin_cos axis all. count_shift: bits of the count dropped
+    before scaling.
     input_scale (n,), input_scale_fraction: x = count_code * input_scale >> input_scale_fraction, x_fraction bits.
     x_low, x_high (p,): lowest and highest code of x over all encoder counts.
     hidden_weights (h, p) with weight_fraction; hidden_bias (h,) with x_fraction + weight_fraction.
@@ -66,7 +68,8 @@ class FixedNetwork:
     """
 
     inputs: tuple[str, ...]
-    phase_scale: np.ndarray
+    coarse_step: np.ndarray
+    fine_step: np.ndarray
     count_low: np.ndarray
     count_high: np.ndarray
     count_shift: int
@@ -98,6 +101,16 @@ class FixedNetwork:
         return len(self.output_bias)
 
     @property
+    def n_inputs(self) -> int:
+        """Of the hidden layer: two per sin_cos axis."""
+        return self.hidden_weights.shape[1]
+
+    @property
+    def is_turning(self) -> np.ndarray:
+        """Whether each axis (n,) gives sine and cosine."""
+        return np.array([kind == SIN_COS for kind in self.inputs])
+
+    @property
     def preactivation_drop(self) -> int:
         """Bits that truncation drops from the hidden sum to the pre-activation a."""
         return self.x_fraction + self.weight_fraction - PREACTIVATION_FRACTION
@@ -124,7 +137,14 @@ def quantise(
             f"{folder}: {network.n_axes} axes and {network.n_hidden} neurons, but the core has {formats.n_axes} and "
             f"{formats.n_hidden}; give a network of its size"
         )
+    if formats and network.inputs != formats.inputs:
+        raise InputError(
+            f"{folder / HIDDEN_CSV}: inputs {', '.join(network.inputs)}, but the core has {', '.join(formats.inputs)}; "
+            "give a network of its inputs"
+        )
     inputs = _input_stage(network, drive, folder / SCALING_CSV, kept)
+    if formats:
+        _check_turns(inputs, formats, folder / ROBOT_TOML)
     hidden = _hidden_stage(network, drive, inputs, folder / HIDDEN_CSV, kept)
     outputs = _output_stage(network, folder, kept)
     where = f"{folder / ROBOT_TOML}: axis {{row}}: effort_per_ampere"
@@ -179,10 +199,10 @@ def _input_stage(network: Network, drive: Drive, path: Path, kept: Mapping) -> d
     x_low, x_high = ((end >> count_shift) * input_scale >> input_scale_fraction for end in (low, high))
     most = (2**SIN_COS_FRACTION - 1) >> SIN_COS_FRACTION - x_fraction
     axis = axis_of_input(network.inputs)
-    counts_per_turn = 2 * np.pi * drive.counts_per_unit
     return {
         "inputs": network.inputs,
-        "phase_scale": np.where(is_phase, np.rint(2.0**PHASE_SCALE_FRACTION / counts_per_turn), 0).astype(np.int64),
+        "coarse_step": _turn_steps(drive, is_phase, 2.0 ** (COUNT_BITS // 2)),
+        "fine_step": _turn_steps(drive, is_phase, 1.0),
         "count_low": low,
         "count_high": high,
         "count_shift": count_shift,
@@ -192,6 +212,24 @@ def _input_stage(network: Network, drive: Drive, path: Path, kept: Mapping) -> d
         "x_low": np.where(is_phase, -most - 1, x_low)[axis],
         "x_high": np.where(is_phase, most, x_high)[axis],
     }
+
+
+def _turn_steps(drive: Drive, is_phase: np.ndarray, n_counts: float) -> np.ndarray:
+    """Turns (n,) per so many counts, modulo a turn: signed codes of STEP_BITS; 0 where no phase is."""
+    turns = np.where(is_phase, n_counts / (2 * np.pi * drive.counts_per_unit), 0.0)
+    codes = np.rint(2.0**STEP_BITS * np.mod(turns, 1.0)).astype(np.int64)
+    half = 1 << STEP_BITS - 1
+    return (codes + half) % (2 * half) - half
+
+
+def _check_turns(inputs: Mapping, formats: FixedNetwork, path: Path) -> None:
+    """Raise InputError where a turn has other counts than in the core: its steps are no part of an image."""
+    for name in ("coarse_step", "fine_step"):
+        for axis in np.flatnonzero(inputs[name] != getattr(formats, name)):
+            raise InputError(
+                f"{path}: axis {axis + 1}: counts_per_turn is another than that of the core, which an image does not "
+                "change; give that"
+            )
 
 
 def _clamp(network: Network, drive: Drive, is_phase: np.ndarray, path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -205,8 +243,8 @@ def _clamp(network: Network, drive: Drive, is_phase: np.ndarray, path: Path) -> 
                 f"{path}: row {row + 1}, column q_scale: the trained range is {low[row]:.0f} to {high[row]:.0f} "
                 f"encoder counts; it must hold a count and fit {COUNT_BITS} bits"
             )
-    most = 2 ** (COUNT_BITS - 1)
-    return tuple(np.where(is_phase, all_, end).astype(np.int64) for all_, end in ((-most, low), (most - 1, high)))
+    most = 2 ** (COUNT_BITS - 1) - 1  # not the lowest count: no integer of VHDL holds it
+    return tuple(np.where(is_phase, all_, end).astype(np.int64) for all_, end in ((-most, low), (most, high)))
 
 
 def _hidden_stage(network: Network, drive: Drive, inputs: Mapping, path: Path, kept: Mapping) -> dict:
@@ -221,7 +259,8 @@ def _hidden_stage(network: Network, drive: Drive, inputs: Mapping, path: Path, k
     # Sine and cosine are rounded, then lose what x has no bits for.
     of_phase = 2.0 ** -(inputs["x_fraction"] + 1) - 2.0 ** -(SIN_COS_FRACTION + 1)
     axis = axis_of_input(network.inputs)
-    x_lacks = np.where(inputs["phase_scale"] > 0, of_phase, x_lacks)[axis]
+    is_phase = np.array([kind == SIN_COS for kind in network.inputs])
+    x_lacks = np.where(is_phase, of_phase, x_lacks)[axis]
     bias = network.hidden_bias + weights * 2.0**-weight_fraction @ x_lacks + 2.0 ** -(PREACTIVATION_FRACTION + 1)
     sum_fraction = inputs["x_fraction"] + weight_fraction
     if sum_fraction < PREACTIVATION_FRACTION:

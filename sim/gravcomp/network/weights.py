@@ -60,7 +60,14 @@ class Network:
 
     def forces(self, q: np.ndarray, activation: Callable = gamma) -> np.ndarray:
         """Efforts f (..., n), N or Nm, at joint positions q (..., n), m or rad, in floating point."""
-        x = inputs_of(q, self.q_offset, self.q_scale, self.inputs)
+        return self.forces_of(self.x(q), activation)
+
+    def x(self, q: np.ndarray) -> np.ndarray:
+        """Inputs (..., p) of the hidden layer at joint positions q (..., n), m or rad."""
+        return inputs_of(q, self.q_offset, self.q_scale, self.inputs)
+
+    def forces_of(self, x: np.ndarray, activation: Callable = gamma) -> np.ndarray:
+        """Efforts f (..., n), N or Nm, at inputs x (..., p) of the hidden layer."""
         hidden = activation(x @ self.hidden_weights.T + self.hidden_bias)
         return self.f_offset + self.f_scale * (hidden @ self.output_weights.T + self.output_bias)
 

@@ -19,6 +19,7 @@ from gravcomp.errors import InputError
 from gravcomp.network.weights import Network
 from gravcomp.robot.machine import Drive, Machine
 from gravcomp.robot.protocol import HasRows, Robot
+from gravcomp.training import POLISH_STEPS
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
 from gravcomp.training.scaling import Scaling, workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws
@@ -28,7 +29,7 @@ from gravcomp.training.waves import waves_of
 # Small against the error that 20 neurons leave, large enough that output weights cannot grow without bound.
 RIDGE = 1e-9
 N_TEST_POSES = 8000
-_POLISH = Stop(steps=1500, stall=1e-5)
+_POLISH_STALL = 1e-5
 _BASE_COLUMNS, _FEWEST = 101, 4  # of 3-20-3; draws and hops at least
 
 
@@ -106,11 +107,13 @@ def train(
     seed: int = 1,
     activation: str = "gamma",
     backend: str = "loky",
+    polish: int = POLISH_STEPS,
     effort: Effort,
 ) -> tuple[Network, Fit]:
     """The best network of n_starts searches per round, on the hardware's grid, and its fit in normalised units.
 
-    Chosen by training error alone. Raises InputError for sizes below 1, too few poses, or a backend that is absent.
+    Chosen by training error alone. polish: steps of the best on all poses, at most. Raises InputError for sizes below
+    1, too few poses, or a backend that is absent.
     """
     _check(data, n_hidden, n_starts)
     scaling = workspace_scaling(machine)
@@ -125,7 +128,7 @@ def train(
     best = min(second, key=lambda fit: fit.cost)
     problem = _problem(x, y, n_hidden, activation, symmetric)
     with one_blas_thread():
-        fit = levenberg_marquardt(problem, best.hidden, _POLISH)
+        fit = levenberg_marquardt(problem, best.hidden, Stop(steps=polish, stall=_POLISH_STALL))
     return snapped(fit, problem, scaling, machine.drive), fit
 
 

@@ -9,6 +9,7 @@ from gravcomp.core.formats import FixedNetwork, bits_for, partial_sum_interval
 from gravcomp.network.weights import Network
 from gravcomp.robot.machine import Machine
 from gravcomp.twin import network as bittrue
+from gravcomp.twin.sin_cos import RADIAN, REST_BITS
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,6 @@ def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
     in any order of addition.
     """
     half = 2 ** (q.OPERAND_BITS - 1)
-    codes = fixed.count_low >> fixed.count_shift, fixed.count_high >> fixed.count_shift
     hidden_sum = partial_sum_interval(fixed.hidden_weights, fixed.hidden_bias, fixed.x_low, fixed.x_high)
     # At a = 0 the slope wraps and its product is 0 all the same; elsewhere |a| >= 1.
     beta = 2 ** (q.SLOPE_FRACTION + 1)
@@ -46,7 +46,7 @@ def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
     per_mn = int(fixed.current_scale.max())
     current = tuple(f * per_mn + rounding >> fixed.current_scale_fraction for f in (-full_force, full_force - 1))
     return {
-        "count code": Interval(int(codes[0].min()), int(codes[1].max()), q.OPERAND_BITS),
+        **_input_intervals(fixed),
         "x": Interval(int(fixed.x_low.min()), int(fixed.x_high.max()), q.OPERAND_BITS),
         "hidden sum": Interval(*hidden_sum, fixed.hidden_sum_bits),
         "slope of Gamma": Interval(*slope, q.OPERAND_BITS),
@@ -55,6 +55,18 @@ def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
         "force, mN": Interval(*force, q.FORCE_BITS),
         "current, uA": Interval(*current, q.CURRENT_BITS),
     }
+
+
+def _input_intervals(fixed: FixedNetwork) -> dict[str, Interval]:
+    """What comes before x, of positions and of axes that turn."""
+    found, is_turning = {}, fixed.is_turning
+    if not is_turning.all():
+        low, high = (end[~is_turning] >> fixed.count_shift for end in (fixed.count_low, fixed.count_high))
+        found["count code"] = Interval(int(low.min()), int(high.max()), q.OPERAND_BITS)
+    if is_turning.any():
+        rest = 2 ** (REST_BITS - 1)
+        found["turn beside its place, rad"] = Interval(-rest * RADIAN, rest * RADIAN, q.OPERAND_BITS)
+    return found
 
 
 def fixed_point_error_mn(network: Network, fixed: FixedNetwork, machine: Machine, n_poses: int, seed: int):

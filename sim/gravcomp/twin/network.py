@@ -4,14 +4,12 @@ All values are integer codes (int64); their formats are those of FixedNetwork. A
 ``gc_fixed_pkg`` (towards minus infinity).
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from gravcomp.core import formats as q
 from gravcomp.core.formats import FixedNetwork
-from gravcomp.network.inputs import SIN_COS
 from gravcomp.twin.sin_cos import phase, sin_cos
 
 
@@ -30,21 +28,29 @@ def saturate(value: np.ndarray, bits: int) -> tuple[np.ndarray, np.ndarray]:
     return limited, limited != value
 
 
+def input_stage(count: np.ndarray, fixed: FixedNetwork) -> tuple[np.ndarray, np.ndarray]:
+    """gc_input_stage: counts (..., n) to codes of x (..., p), and whether each count was clamped."""
+    x, is_clamped = input_scaler(count, fixed)
+    if not fixed.is_turning.any():
+        return x, is_clamped
+    turns = turn_stage(count, fixed)
+    codes = [turns[..., k, :] if fixed.is_turning[k] else x[..., k : k + 1] for k in range(fixed.n_axes)]
+    return np.concatenate(codes, axis=-1), is_clamped & ~fixed.is_turning
+
+
 def input_scaler(count: np.ndarray, fixed: FixedNetwork) -> tuple[np.ndarray, np.ndarray]:
-    """gc_input_scaler: counts (..., n) to codes of x (..., p), and whether each count was clamped."""
+    """gc_input_scaler: counts (..., n) to codes of the positions (..., n), and whether each count was clamped.
+
+    It leaves out axes that turn; what stands here for them is of no use.
+    """
     limited = np.clip(count, fixed.count_low, fixed.count_high)
-    x = (limited >> fixed.count_shift) * fixed.input_scale >> fixed.input_scale_fraction
-    if SIN_COS in fixed.inputs:
-        x = np.stack([code for axis in range(fixed.n_axes) for code in _codes_of(axis, x, count, fixed)], axis=-1)
-    return x, limited != count
+    return (limited >> fixed.count_shift) * fixed.input_scale >> fixed.input_scale_fraction, limited != count
 
 
-def _codes_of(axis: int, x: np.ndarray, count: np.ndarray, fixed: FixedNetwork) -> Iterable[np.ndarray]:
-    """Codes of what the network sees of one axis: x (..., n) as of a position, or sine and cosine of the phase."""
-    if fixed.inputs[axis] != SIN_COS:
-        return [x[..., axis]]
-    both = sin_cos(phase(count[..., axis], fixed.phase_scale[axis]))
-    return [code >> q.SIN_COS_FRACTION - fixed.x_fraction for code in both]
+def turn_stage(count: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
+    """gc_turn_stage: counts (..., n) to codes of sine and cosine (..., n, 2), of use for axes that turn alone."""
+    both = sin_cos(phase(count, fixed.coarse_step, fixed.fine_step))
+    return np.stack(both, axis=-1) >> q.SIN_COS_FRACTION - fixed.x_fraction
 
 
 def hidden_lane(x: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
@@ -77,7 +83,7 @@ def output_scaler(total: np.ndarray, fixed: FixedNetwork) -> tuple[np.ndarray, n
 
 def core(count: np.ndarray, fixed: FixedNetwork) -> CoreOutput:
     """gc_core: encoder counts (..., n) to holding forces in mN (..., n) with their flags."""
-    x, is_clamped = input_scaler(np.asarray(count, dtype=np.int64), fixed)
+    x, is_clamped = input_stage(np.asarray(count, dtype=np.int64), fixed)
     h = activation(hidden_lane(x, fixed))
     force_mn, is_saturated = output_scaler(output_layer(h, fixed), fixed)
     return CoreOutput(force_mn, is_clamped, is_saturated)

@@ -5,6 +5,7 @@ sum overflows by it: only this comparison tells.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,8 +14,9 @@ import numpy as np
 from gravcomp.core import formats as q
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.errors import InputError
+from gravcomp.network.inputs import weight_columns
 from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, Network
-from gravcomp.twin.network import core, input_scaler, output_scaler
+from gravcomp.twin.network import core, input_stage, output_scaler
 
 N_COUNTS, SEED = 20000, 43
 # Of the largest f_scale, RMS. Ten times what the formats cost a network that uses their bits well, and a quarter of
@@ -99,15 +101,16 @@ def _stages(network: Network, fixed: FixedNetwork, counts, step, is_whole, sette
     hidden = replace(network, hidden_weights=np.ldexp(fixed.hidden_weights, -fixed.weight_fraction))
     output = replace(network, output_weights=np.ldexp(fixed.output_weights, -fixed.output_weight_fraction))
     forces_n = {
-        "positions": network.forces(_positions(network, fixed, counts, q_m)),
+        "positions": network.forces_of(_seen(network, fixed, counts, q_m)),
         "hidden weights": hidden.forces(q_m),
         "output weights": output.forces(q_m),
         "forces": _scaled(network, fixed, exact_n),
     }
+    neurons = [f"v_{k}" for k in range(1, setter.n_hidden + 1)]
     sets = {
         "positions": _in_scaling(setter, "q_offset", setter.q_offset * setter.q_scale, "q_scale"),
-        "hidden weights": (HIDDEN_CSV, *_largest(setter.hidden_weights, "w_q")),
-        "output weights": (OUTPUT_CSV, *_largest(setter.output_weights, "v_")),
+        "hidden weights": (HIDDEN_CSV, *_largest(setter.hidden_weights, weight_columns(setter.inputs))),
+        "output weights": (OUTPUT_CSV, *_largest(setter.output_weights, neurons)),
         "forces": _in_scaling(setter, "f_offset", setter.f_offset / setter.f_scale, "f_scale"),
     }
     return [
@@ -116,10 +119,11 @@ def _stages(network: Network, fixed: FixedNetwork, counts, step, is_whole, sette
     ]
 
 
-def _positions(network: Network, fixed: FixedNetwork, counts: np.ndarray, q_m: np.ndarray) -> np.ndarray:
-    """Positions (N, n), m, as the core sees them, without the offset that its biases make up for."""
-    error_m = np.ldexp(input_scaler(counts, fixed)[0], -fixed.x_fraction) / network.q_scale - q_m
-    return q_m + error_m - error_m.mean(axis=0)
+def _seen(network: Network, fixed: FixedNetwork, counts: np.ndarray, q_m: np.ndarray) -> np.ndarray:
+    """Inputs x (N, p) as the core sees them, without the offset that its biases make up for."""
+    exact = network.x(q_m)
+    error = np.ldexp(input_stage(counts, fixed)[0], -fixed.x_fraction) - exact
+    return exact + error - error.mean(axis=0)
 
 
 def _scaled(network: Network, fixed: FixedNetwork, forces_n: np.ndarray) -> np.ndarray:
@@ -129,9 +133,9 @@ def _scaled(network: Network, fixed: FixedNetwork, forces_n: np.ndarray) -> np.n
     return 1e-3 * output_scaler(np.floor(np.ldexp(y, fraction)).astype(np.int64), fixed)[0]
 
 
-def _largest(values: np.ndarray, column: str) -> tuple[int, str, float]:
+def _largest(values: np.ndarray, columns: Sequence[str]) -> tuple[int, str, float]:
     row, number = np.unravel_index(np.argmax(np.abs(values)), values.shape)
-    return int(row) + 1, f"{column}{number + 1}", float(values[row, number])
+    return int(row) + 1, columns[number], float(values[row, number])
 
 
 def _in_scaling(network: Network, offset: str, ratio: np.ndarray, scale: str) -> tuple[str, int, str, float]:

@@ -1,6 +1,8 @@
 """The operations of one inference, counted in the running VHDL.
 
-Every multiplier, adder tree, activation and output of the core is watched through its in_valid or out_valid.
+Every multiplier, adder tree, activation and output of the core is watched through its in_valid or out_valid. What makes
+sine and cosine of the axes that turn is counted apart, but for the product that each input of the network costs,
+whatever it sees: scale times count, or b cos k and b sin k (gc_sin_cos).
 """
 
 from collections import Counter
@@ -16,7 +18,9 @@ from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import fixed_network, pack
 from gravcomp_lab.benches.stream import start
 
-LAYERS = ("input_scaler", "hidden_lane", "activation", "output_layer", "output_scaler")
+LAYERS = ("input_scaler", "phase", "sin_cos", "hidden_lane", "activation", "output_layer", "output_scaler")
+APART = ("phase", "sin_cos")
+PATIENCE = 1000  # clocks
 
 
 def instances(handle, path: str = ""):
@@ -36,7 +40,10 @@ def operations(watched: dict, n_outputs: int) -> Counter:
         layer = next((name for name in LAYERS if name in path), None)
         instance = path.rsplit("/", 1)[1]
         begins = ports["in_valid"].value == 1
-        if instance == "i_multiply":
+        if layer == "sin_cos" and instance == "i_multiply":
+            count["multiplications", "sines and cosines"] += begins
+            count["sums", layer] += begins
+        elif instance in ("i_multiply", "i_radian"):
             count["multiplications", layer] += begins
         elif instance == "i_sum":
             count["sums", layer] += begins
@@ -58,18 +65,31 @@ async def one_inference(dut):
     await start(dut)
     dut.in_count.value = pack([1000 * (i + 1) for i in range(fixed.n_axes)], COUNT_BITS)
     dut.in_valid.value = 1
-    for _ in range(80):
+    for _ in range(PATIENCE):
         # Before the rising edge that begins the operations.
         await Timer(1, "ns")
         total += operations(watched, fixed.n_axes)
         await FallingEdge(dut.clk)
         dut.in_valid.value = 0
+        if dut.out_valid.value == 1:
+            break
+    else:
+        raise AssertionError(f"no result in {PATIENCE} clocks")
     hand_over(operations=[[kind, layer, n] for (kind, layer), n in sorted(total.items())])
 
 
-def budget_run(lanes: int, rtl: Path, build: Path, weights: Path) -> dict[str, int]:
-    """Multiplications and sums of one inference of gc_core with so many lanes, in GHDL with rtl's ROM, from weights."""
+def budget_run(lanes: int, rtl: Path, build: Path, weights: Path) -> tuple[dict[str, int], dict[str, int]]:
+    """Multiplications and sums of one inference of gc_core with so many lanes, in GHDL with rtl's ROM, from weights.
+
+    Those of the network, and those apart.
+    """
     environment = {"WEIGHTS": str(weights.absolute())}
     measured = run_bench("gc_core", __name__, lanes, rtl, build / f"budget-{lanes}", environment)
     rows = measured["operations"]
-    return {kind: sum(n for own, _, n in rows if own == kind) for kind in ("multiplications", "sums")}
+    return tuple(
+        {
+            kind: sum(n for own, layer, n in rows if own == kind and (layer in APART) == is_apart)
+            for kind in ("multiplications", "sums")
+        }
+        for is_apart in (False, True)
+    )

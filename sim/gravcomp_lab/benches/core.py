@@ -52,7 +52,7 @@ def draw_counts(n_poses: int, rng: np.random.Generator) -> np.ndarray:
     counts = rng.integers(fixed.count_low, fixed.count_high, shape, endpoint=True)
     edges = rng.choice(
         np.concatenate([fixed.count_low + k for k in (-1, 0)] + [fixed.count_high + k for k in (0, 1)]), shape
-    )
+    ).clip(-(2 ** (COUNT_BITS - 1)), 2 ** (COUNT_BITS - 1) - 1)
     odd = np.where(rng.random(shape) < 0.5, edges, corners_and_random(COUNT_BITS, shape, rng))
     return np.where(rng.random(shape) < 0.125, odd, counts)
 

@@ -1,13 +1,16 @@
-"""Print the operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics."""
+"""Print the operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics.
+
+Sine and cosine of axes that turn are counted apart from the network; the statics are those of a robot in closed form.
+"""
 
 from pathlib import Path
 
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
-from gravcomp.robot.spheiro.robot import spheiro_of
+from gravcomp.robot.spheiro.robot import Spheiro
 from gravcomp_lab.benches.budget import budget_run
 from gravcomp_lab.benches.core import LANES
-from gravcomp_lab.paper.operations import count_network_operations, count_statics_operations
+from gravcomp_lab.paper.operations import OperationCount, count_network_operations, count_statics_operations
 
 PAPER = "| paper: statics by its analytic model | | | | | 532 | 8305 |"
 
@@ -21,18 +24,21 @@ def add_arguments(parser):
 
 def run(arguments):
     counted = budget_run(arguments.lanes, arguments.rtl, arguments.build, arguments.weights)
-    mults, sums = counted["multiplications"], counted["sums"]
-    network, statics = (
-        count_network_operations(load_network(arguments.weights)),
-        count_statics_operations(spheiro_of(load_machine(arguments.weights))),
-    )
+    of_vhdl = [OperationCount(**numbers) for numbers in counted]
+    machine, network = load_machine(arguments.weights), load_network(arguments.weights)
+    of_numpy = count_network_operations(network)
     print("| what | multiplications | sums | divisions | square roots | trigonometric | all |")
     print("|---|---|---|---|---|---|---|")
-    print(f"| network, running VHDL | {mults} | {sums} | 0 | 0 | 0 | {mults + sums} |")
-    print(_row("network, NumPy on counting numbers", network))
-    print(_row("statics in closed form, from joint positions", statics))
-    print(PAPER)
+    for what, vhdl, numpy in zip(("network", "sine and cosine"), of_vhdl, of_numpy, strict=True):
+        if vhdl.total or numpy.total:
+            print(_row(f"{what}, running VHDL", vhdl))
+            print(_row(f"{what}, NumPy on counting numbers", numpy))
+    if isinstance(machine.robot, Spheiro):
+        print(_row("statics in closed form, from joint positions", count_statics_operations(machine.robot.parameters)))
+        print(PAPER)
     print("\nA sum of many terms counts as one, as in the paper; theta |a| counts, though it is a shift in hardware.")
+    if padding := -network.n_hidden % arguments.lanes:
+        print(f"The VHDL has {padding} neurons of zero weight more, so that {arguments.lanes} lanes divide them.")
 
 
 def _row(name, count):

@@ -43,15 +43,15 @@ class Tree:
 def hidden_sums(fixed: FixedNetwork, lanes: int, lane: int = 0) -> str:
     """Checker of gc_hidden_lane with generics lanes_g and lane_g: module hidden_sums."""
     neurons = slice(lane, None, lanes)
-    bits = OPERAND_BITS * fixed.n_axes + fixed.hidden_sum_bits
+    bits = OPERAND_BITS * fixed.n_inputs + fixed.hidden_sum_bits
     products = [
         Product(f"g_input_n{i + 1}_i_multiply", "word", bits, OPERAND_BITS * i, [int(row[i]) for row in rows])
-        for i, rows in enumerate([fixed.hidden_weights[neurons]] * fixed.n_axes)
+        for i, rows in enumerate([fixed.hidden_weights[neurons]] * fixed.n_inputs)
     ]
     tree = Tree("i_sum", products, [int(bias) for bias in fixed.hidden_bias[neurons]])
     width = fixed.hidden_sum_bits
     return _checker(
-        "hidden_sums", "gc_hidden_lane", "in_x", fixed.n_axes, width, int(lanes == 1), ["g_weights_i_rom"], tree
+        "hidden_sums", "gc_hidden_lane", "in_x", fixed.n_inputs, width, int(lanes == 1), ["g_weights_i_rom"], tree
     )
 
 

@@ -12,10 +12,12 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from gravcomp.network.activation import gamma
+from gravcomp.network.inputs import SIN_COS, axis_of_input
 from gravcomp.network.weights import Network
 from gravcomp.robot.spheiro.kinematics import axes_from_squares, quaternion_squares
 from gravcomp.robot.spheiro.parameters import RobotParameters
 from gravcomp.robot.spheiro.statics import forces_from_axes
+from gravcomp.twin.sin_cos import PLACE_BITS
 
 
 @dataclass
@@ -164,20 +166,41 @@ def statics_on_counted(q_m: np.ndarray, p: RobotParameters) -> tuple[np.ndarray,
     return forces_from_axes(axes, p).astype(float), count
 
 
-def network_on_counted(network: Network, q_m: np.ndarray) -> tuple[np.ndarray, OperationCount]:
-    """Forces (n,), N, at joint positions q (n,), m, by the network as the hardware runs it, and what they cost.
+def network_on_counted(network: Network, q: np.ndarray) -> tuple[np.ndarray, OperationCount, OperationCount]:
+    """Efforts (n,), N or Nm, at joint positions q (n,), m or rad, by the network as the hardware runs it; what they
+    cost, and what sines and cosines cost beside it.
 
     The offsets of both normalisations are folded into the biases: x = S q, h = Gamma(W x + b_H'), f = S_f (V h + b_o').
     """
-    count = OperationCount()
-    hidden_bias = network.hidden_bias - network.hidden_weights @ (network.q_offset * network.q_scale)
+    count, apart = OperationCount(), OperationCount()
+    offset = np.array([0.0 if kind == SIN_COS else 1.0 for kind in network.inputs]) * network.q_offset * network.q_scale
+    hidden_bias = network.hidden_bias - network.hidden_weights @ offset[axis_of_input(network.inputs)]
     output_bias = network.output_bias + network.f_offset / network.f_scale
     # The hardware multiplies by whatever the ROM holds: a weight that happens to be 0 or 1 is a product all the same.
     weights = counted(network.hidden_weights, count), counted(network.output_weights, count)
-    x = counted(q_m, count) * counted(network.q_scale, count)
+    x = []
+    for kind, position, scale in zip(network.inputs, q, network.q_scale, strict=True):
+        is_turn = kind == SIN_COS
+        x += turn_on_counted(position, count, apart) if is_turn else [Counted(position, count) * Counted(scale, count)]
     hidden = np.array([gamma(h) for h in _layer(x, weights[0], hidden_bias)], dtype=object)
     forces = np.array(_layer(hidden, weights[1], output_bias), dtype=object) * counted(network.f_scale, count)
-    return forces.astype(float), count
+    return forces.astype(float), count, apart
+
+
+def turn_on_counted(q_rad: float, count: OperationCount, apart: OperationCount) -> list[Counted]:
+    """Sine and cosine as gc_phase and gc_sin_cos make them, of an encoder with 2^20 counts per turn.
+
+    count: what the product that gives each of them costs; apart: all the rest.
+    """
+    high, low = divmod(q_rad / (2 * np.pi) * 2**20, 2**16)
+    parts = [(half, part) for half, step in ((low, 2.0**-20), (high, 2.0**-4)) for part in (step, 0.0)]
+    turns = n_ary_sum(Counted(half, apart) * Counted(part, apart) for half, part in parts).value
+    place = round(turns * 2**PLACE_BITS) / 2**PLACE_BITS
+    b = (Counted(turns - place, apart) * Counted(2 * np.pi, apart)).value
+    sine, cosine = np.sin(2 * np.pi * place), np.cos(2 * np.pi * place)
+    products = [Counted(b, count) * Counted(slope, count) for slope in (cosine, -sine)]
+    sums = [Counted(at_place, apart) + product for at_place, product in zip((sine, cosine), products, strict=True)]
+    return [Counted(total.value, count) for total in sums]
 
 
 def _layer(x: np.ndarray, weights: np.ndarray, bias: np.ndarray) -> list:
@@ -189,6 +212,7 @@ def count_statics_operations(p: RobotParameters) -> OperationCount:
     return statics_on_counted(0.1 * p.d_m * np.array([1.0, -2.0, 3.0]), p)[1]
 
 
-def count_network_operations(network: Network) -> OperationCount:
-    """Operations of joint positions -> forces by the network in the hardware's structure (the same at every pose)."""
-    return network_on_counted(network, network.q_offset)[1]
+def count_network_operations(network: Network) -> tuple[OperationCount, OperationCount]:
+    """Operations of joint positions -> forces by the network in the hardware's structure (the same at every pose), and
+    those of sines and cosines."""
+    return network_on_counted(network, network.q_offset)[1:]

@@ -58,9 +58,9 @@ class Facts:
 
     @property
     def scalars(self) -> list[tuple[str, str, str]]:
-        """Scalars of an image in order: name, inputs or outputs, name of their width."""
+        """Scalars of an image in order: name, of which there is one each, name of their width."""
         image = self.table["image"]
-        return [(name, per, bits) for per in ("inputs", "outputs") for name, bits in image[per].items()]
+        return [(name, per, bits) for per in ("inputs", "features", "outputs") for name, bits in image[per].items()]
 
 
 def files(facts: Facts) -> dict[Path, str]:
@@ -221,7 +221,7 @@ end package gc_facts_pkg;
 _VHDL_SCALARS = """\
 -- SPDX-License-Identifier: MIT
 --
--- What is not in a table; per axis, axis 1 lowest. Written by `make regs` from facts.toml; do not edit.
+-- What is not in a table; axis 1 lowest. Written by `make regs` from facts.toml; do not edit.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -61,7 +61,7 @@ def _holds(path: Path, text: str) -> bool:
 
 def package_text(fixed: FixedNetwork, sha256: str, clock_hz: float, name: str) -> str:
     """VHDL text of gc_network_pkg for one network; hash, clock and name of its machine folder go into it."""
-    hidden_word_bits = fixed.hidden_sum_bits + fixed.n_axes * q.OPERAND_BITS
+    hidden_word_bits = fixed.hidden_sum_bits + fixed.n_inputs * q.OPERAND_BITS
     output_word_bits = fixed.n_axes * q.OPERAND_BITS
     return _TEMPLATE.format(
         name=name,
@@ -69,6 +69,13 @@ def package_text(fixed: FixedNetwork, sha256: str, clock_hz: float, name: str) -
         clock_hz=int(clock_hz),
         current_scale=_packed(fixed.current_scale, q.OPERAND_BITS),
         n_axes=fixed.n_axes,
+        n_inputs=fixed.n_inputs,
+        turning="".join(str(int(turns)) for turns in fixed.is_turning[::-1]),
+        phase_bits=q.PHASE_BITS,
+        step_bits=q.STEP_BITS,
+        steps_bits=fixed.n_axes * q.STEP_BITS - 1,
+        coarse_step=_packed(fixed.coarse_step, q.STEP_BITS),
+        fine_step=_packed(fixed.fine_step, q.STEP_BITS),
         n_hidden=fixed.n_hidden,
         count_bits=q.COUNT_BITS,
         force_bits=q.FORCE_BITS,
@@ -77,6 +84,7 @@ def package_text(fixed: FixedNetwork, sha256: str, clock_hz: float, name: str) -
         count_high=_integers(fixed.count_high),
         input_scale_bits=fixed.n_axes * q.OPERAND_BITS - 1,
         input_scale=_packed(fixed.input_scale, q.OPERAND_BITS),
+        feature_bits=fixed.n_inputs * q.OPERAND_BITS - 1,
         x_low=_packed(fixed.x_low, q.OPERAND_BITS),
         x_high=_packed(fixed.x_high, q.OPERAND_BITS),
         output_scale=_packed(fixed.output_scale, q.OPERAND_BITS),
@@ -158,10 +166,11 @@ package gc_network_pkg is
   -- Hz of the core's clock: the tables of friction hold for this one.
   constant clock_hz_c : positive := {clock_hz};
 
-  -- Sizes.
-  constant inputs_c  : positive := {n_axes};
-  constant hidden_c  : positive := {n_hidden};
-  constant outputs_c : positive := {n_axes};
+  -- Sizes: encoder counts in, what the hidden layer sees of them, hidden neurons, efforts out.
+  constant inputs_c   : positive := {n_axes};
+  constant features_c : positive := {n_inputs};
+  constant hidden_c   : positive := {n_hidden};
+  constant outputs_c  : positive := {n_axes};
 
   -- Widths of the ports.
   constant count_bits_c   : positive := {count_bits};
@@ -180,10 +189,19 @@ package gc_network_pkg is
   constant x_fraction_c           : natural  := {x_fraction};
 
   -- x of the limits of the trained range.
-  constant x_low_c  : signed({input_scale_bits} downto 0) :=
+  constant x_low_c  : signed({feature_bits} downto 0) :=
     {x_low};
-  constant x_high_c : signed({input_scale_bits} downto 0) :=
+  constant x_high_c : signed({feature_bits} downto 0) :=
     {x_high};
+
+  -- Axes, axis 1 lowest, whose sine and cosine the hidden layer sees; turns per 2**16 counts and per count of them.
+  constant turning_c     : std_ulogic_vector(inputs_c - 1 downto 0) := "{turning}";
+  constant phase_bits_c  : positive := {phase_bits};
+  constant step_bits_c   : positive := {step_bits};
+  constant coarse_step_c : signed({steps_bits} downto 0) :=
+    {coarse_step};
+  constant fine_step_c   : signed({steps_bits} downto 0) :=
+    {fine_step};
 
   -- Hidden layer.
   constant weight_fraction_c        : natural  := {weight_fraction};

@@ -1,0 +1,52 @@
+"""gc_core of every machine that is shipped equals its model bit for bit, at its interval and latency."""
+
+import numpy as np
+import pytest
+
+from gravcomp.core.folder import load_folder
+from gravcomp.core.formats import quantise
+from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.twin.network import core
+from runner import ROOT
+from test_rtl_core import check_core
+
+UR5_LANES = (1, 2, 4, 5, 10, 20)
+
+
+def check_shipped(name: str, lanes: int, folder, tests: str) -> None:
+    weights = ROOT / "weights" / name
+    write_rom(weights, folder)
+    check_core(lanes, environment={"WEIGHTS": str(weights)}, generated=folder, label=name, tests=tests)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lanes", UR5_LANES)
+def test_core_of_the_ur5_equals_its_model_with_every_number_of_lanes(lanes, tmp_path):
+    check_shipped("ur5", lanes, tmp_path, r"\.(back_to_back|random_gaps|ready_at_its_interval)$")
+
+
+@pytest.mark.slow
+def test_core_of_the_ur5_forgets_what_is_under_way_at_a_reset(tmp_path):
+    check_shipped("ur5", 2, tmp_path, r"\.(back_to_back|reset_in_mid_stream)$")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "lanes"), [("slide", 1), ("arm2", 3), ("fivebar", 4), ("so101", 8)])
+def test_core_of_a_shipped_machine_equals_its_model(name, lanes, tmp_path):
+    check_shipped(name, lanes, tmp_path, r"\.back_to_back$")
+
+
+def test_ur5_misses_the_statics_by_less_than_0_07_percent_in_the_hardware_too():
+    """Over 8000 poses of all ranges that training did not see: RMS of the error by RMS of the efforts, from counts."""
+    folder = ROOT / "weights" / "ur5"
+    content = load_folder(folder)
+    fixed, drive = quantise(content.network, content.machine.drive, folder), content.machine.drive
+    q_rad = content.machine.robot.workspace(8000, 2)
+    exact_nm = content.machine.robot.forces(q_rad)
+    for what, found_nm in (
+        ("float", content.network.forces(q_rad)),
+        ("core", core(drive.counts(q_rad), fixed).force_mn / 1e3),
+    ):
+        percent = 100 * np.sqrt(np.mean((found_nm - exact_nm) ** 2) / np.mean(exact_nm**2))
+        print(f"MEASURED ur5, {what}: {percent:.4f} % RMS of RMS effort, {np.abs(found_nm - exact_nm).max():.4f} Nm")
+        assert percent <= 0.07
