@@ -133,6 +133,13 @@ def test_repair_leaves_a_case_with_default():
     assert repair(code) == code
 
 
+def test_repair_leaves_a_case_of_every_value():
+    code = "case (s)\n  2'b00: a = b;\n  2'b01: a = c;\n  2'b10: a = d;\n  2'b11: a = e;\nendcase"
+    assert repair(code) == code
+    with pytest.raises(InputError, match="a case without default"):
+        repair(code.replace("2'b11", "2'b10"))
+
+
 def test_latch_is_refused(tmp_path):
     verilog = tmp_path / "latch.v"
     verilog.write_text("module latch(input e, input d, output reg q); always @* if (e) q = d; endmodule")
@@ -185,3 +192,9 @@ def test_command_refuses_a_folder_without_rtl(tmp_path, capsys):
     for command in (["synth", "--lanes", "1"], ["latency"]):
         assert main([*command, "--rtl", str(tmp_path), "--build", str(tmp_path)]) == 2
         assert f"{tmp_path}: no sources.f" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("entity", ["gc_uart", "gc_modbus", "gc_servo", "gc_setpoint", "gc_recorder"])
+def test_entity_beside_the_system_is_free_of_latches(entity, tmp_path):
+    verilog = to_verilog(rtl_sources(RTL), entity, {}, tmp_path / f"{entity}.v")
+    assert synthesise(verilog, entity, "generic", tmp_path).cells

@@ -143,46 +143,36 @@ architecture rtl of gc_modbus is
 
   begin
 
-    case head(1) is
+    if head(1) = read_holding_c or head(1) = read_input_c then
+      read_v := run_code(halves(0), halves(1), most_read_c);
 
-      when read_holding_c | read_input_c =>
+      if length /= 8 then
+        return illegal_value_c;
+      end if;
 
-        read_v := run_code(halves(0), halves(1), most_read_c);
+      return read_v;
+    elsif head(1) = write_c then
+      write_v := run_code(halves(0), halves(1), most_written_c);
 
-        if length /= 8 then
-          return illegal_value_c;
-        end if;
+      if halves(1) * 2 /= unsigned(head(6)) or length /= write_head_c + 2 + to_integer(unsigned(head(6))) then
+        return illegal_value_c;
+      end if;
 
+      return write_v;
+    elsif head(1) = write_and_read_c then
+      read_v := run_code(halves(0), halves(1), most_read_c);
+      write_v := run_code(halves(2), halves(3), most_of_both_c);
+
+      if halves(3) * 2 /= unsigned(head(10)) or length /= head_c + 2 + to_integer(unsigned(head(10))) then
+        return illegal_value_c;
+      elsif read_v = illegal_value_c or write_v = no_exception_c then
         return read_v;
+      end if;
 
-      when write_c =>
-
-        write_v := run_code(halves(0), halves(1), most_written_c);
-
-        if halves(1) * 2 /= unsigned(head(6)) or length /= write_head_c + 2 + to_integer(unsigned(head(6))) then
-          return illegal_value_c;
-        end if;
-
-        return write_v;
-
-      when write_and_read_c =>
-
-        read_v := run_code(halves(0), halves(1), most_read_c);
-        write_v := run_code(halves(2), halves(3), most_of_both_c);
-
-        if halves(3) * 2 /= unsigned(head(10)) or length /= head_c + 2 + to_integer(unsigned(head(10))) then
-          return illegal_value_c;
-        elsif read_v = illegal_value_c or write_v = no_exception_c then
-          return read_v;
-        end if;
-
-        return write_v;
-
-      when others =>
-
-        return illegal_function_c;
-
-    end case;
+      return write_v;
+    else
+      return illegal_function_c;
+    end if;
 
   end function frame_code;
 
@@ -275,223 +265,195 @@ begin
       if m_axi_rvalid = '1' then
         reading <= '0';
       end if;
-
-      case state is
-
-        when idle =>
-
-          length <= 0;
-          bad <= '0';
+      if state = idle then
+        length <= 0;
+        bad <= '0';
+        silence <= 0;
+        crc <= crc16_start_c;
+        state <= receive;
+      elsif state = receive then
+        if rx_valid = '1' then
           silence <= 0;
-          crc <= crc16_start_c;
-          state <= receive;
+          crc <= crc16_step(crc, rx_data);
+          bad <= bad or rx_error;
+          keep <= '1';
+          kept <= rx_data;
+          kept_at <= to_unsigned(length mod longest_c, 8);
 
-        when receive =>
+          -- An index would do, but GHDL 2.0.0 makes a latch of it.
+          for k in head'range loop
 
-          if rx_valid = '1' then
-            silence <= 0;
-            crc <= crc16_step(crc, rx_data);
-            bad <= bad or rx_error;
-            keep <= '1';
-            kept <= rx_data;
-            kept_at <= to_unsigned(length mod longest_c, 8);
-            if length < head_c then
-              head(length) <= rx_data;
+            if length = k then
+              head(k) <= rx_data;
             end if;
-            if length = longest_c then
-              bad <= '1';
-            else
-              length <= length + 1;
-            end if;
-          elsif length > 0 and rx_receiving = '0' then
-            if silence = gap_clocks_g - 1 then
-              state <= check;
-            else
-              silence <= silence + 1;
-            end if;
+
+          end loop;
+
+          if length = longest_c then
+            bad <= '1';
+          else
+            length <= length + 1;
           end if;
-
-        when check =>
-
-          code <= frame_code(head, halves, length);
-          state <= decide;
-          if bad = '1' or length < shortest_c or unsigned(crc) /= 0 then
-            counts(dropped_c) <= counts(dropped_c) + 1;
-            state <= idle;
-          elsif unsigned(head(0)) /= unit_g then
-            state <= idle;
+        elsif length > 0 and rx_receiving = '0' then
+          if silence = gap_clocks_g - 1 then
+            state <= check;
+          else
+            silence <= silence + 1;
           end if;
+        end if;
+      elsif state = check then
+        code <= frame_code(head, halves, length);
+        state <= decide;
+        if bad = '1' or length < shortest_c or unsigned(crc) /= 0 then
+          counts(dropped_c) <= counts(dropped_c) + 1;
+          state <= idle;
+        elsif unsigned(head(0)) /= unit_g then
+          state <= idle;
+        end if;
+      elsif state = decide then
+        moved <= 0;
+        if code /= no_exception_c then
+          state <= answer;
+        elsif head(1) = write_c then
+          address <= halves(0)(11 downto 1);
+          left <= to_integer(halves(1)(6 downto 1));
+          place <= to_unsigned(write_head_c, 8);
+          state <= fetch;
+        elsif head(1) = write_and_read_c then
+          address <= halves(2)(11 downto 1);
+          left <= to_integer(halves(3)(6 downto 1));
+          place <= to_unsigned(head_c, 8);
+          state <= fetch;
+        else
+          state <= start_read;
+        end if;
 
-        when decide =>
-
+      -- A word of the frame, and its write
+      elsif state = fetch then
+        word <= word(23 downto 0) & fetched;
+        if moved < 4 then
+          moved <= moved + 1;
+          place <= place + 1;
+        else
           moved <= 0;
-          if code /= no_exception_c then
-            state <= answer;
+          state <= ask_write;
+        end if;
+      elsif state = ask_write then
+        if writing = '1' or address(10) = '1' then
+          code <= device_failure_c;
+          state <= answer;
+        else
+          waddr <= address(9 downto 0);
+          wdata <= word;
+          awvalid <= '1';
+          wvalid <= '1';
+          writing <= '1';
+          state <= write;
+        end if;
+      elsif state = write then
+        waited <= waited + 1;
+        if m_axi_bvalid = '1' and m_axi_bresp = "00" then
+          address <= address + 1;
+          left <= left - 1;
+          if left > 1 then
+            state <= fetch;
           elsif head(1) = write_c then
-            address <= halves(0)(11 downto 1);
-            left <= to_integer(halves(1)(6 downto 1));
-            place <= to_unsigned(write_head_c, 8);
-            state <= fetch;
-          elsif head(1) = write_and_read_c then
-            address <= halves(2)(11 downto 1);
-            left <= to_integer(halves(3)(6 downto 1));
-            place <= to_unsigned(head_c, 8);
-            state <= fetch;
+            state <= answer;
           else
             state <= start_read;
           end if;
+        elsif m_axi_bvalid = '1' or waited = bus_clocks_g - 1 then
+          code <= device_failure_c;
+          state <= answer;
+        end if;
 
-        -- A word of the frame, and its write
-
-        when fetch =>
-
-          word <= word(23 downto 0) & fetched;
-          if moved < 4 then
-            moved <= moved + 1;
-            place <= place + 1;
-          else
-            moved <= 0;
-            state <= ask_write;
-          end if;
-
-        when ask_write =>
-
-          if writing = '1' or address(10) = '1' then
-            code <= device_failure_c;
-            state <= answer;
-          else
-            waddr <= address(9 downto 0);
-            wdata <= word;
-            awvalid <= '1';
-            wvalid <= '1';
-            writing <= '1';
-            state <= write;
-          end if;
-
-        when write =>
-
-          waited <= waited + 1;
-          if m_axi_bvalid = '1' and m_axi_bresp = "00" then
-            address <= address + 1;
-            left <= left - 1;
-            if left > 1 then
-              state <= fetch;
-            elsif head(1) = write_c then
-              state <= answer;
-            else
-              state <= start_read;
-            end if;
-          elsif m_axi_bvalid = '1' or waited = bus_clocks_g - 1 then
-            code <= device_failure_c;
-            state <= answer;
-          end if;
-
-        -- A word read, and its bytes into the answer
-
-        when start_read =>
-
-          address <= halves(0)(11 downto 1);
-          left <= to_integer(halves(1)(6 downto 1));
-          place <= to_unsigned(answer_head_c, 8);
-          state <= ask_read;
-
-        when ask_read =>
-
-          if address(10) = '1' then
-            word <= std_ulogic_vector(counts(to_integer(address(1 downto 0))));
-            state <= store;
-          elsif reading = '1' then
-            code <= device_failure_c;
-            state <= answer;
-          else
-            raddr <= address(9 downto 0);
-            arvalid <= '1';
-            reading <= '1';
-            state <= read;
-          end if;
-
-        when read =>
-
-          waited <= waited + 1;
-          if m_axi_rvalid = '1' and m_axi_rresp = "00" then
-            word <= m_axi_rdata;
-            state <= store;
-          elsif m_axi_rvalid = '1' or waited = bus_clocks_g - 1 then
-            code <= device_failure_c;
-            state <= answer;
-          end if;
-
-        when store =>
-
-          keep <= '1';
-          kept <= word(31 downto 24);
-          kept_at <= place;
-          word <= word(23 downto 0) & x"00";
-          place <= place + 1;
-          if moved < 3 then
-            moved <= moved + 1;
-          else
-            moved <= 0;
-            address <= address + 1;
-            left <= left - 1;
-            if left > 1 then
-              state <= ask_read;
-            else
-              state <= answer;
-            end if;
-          end if;
-
-        -- The answer
-
-        when answer =>
-
-          crc <= crc16_start_c;
+      -- A word read, and its bytes into the answer
+      elsif state = start_read then
+        address <= halves(0)(11 downto 1);
+        left <= to_integer(halves(1)(6 downto 1));
+        place <= to_unsigned(answer_head_c, 8);
+        state <= ask_read;
+      elsif state = ask_read then
+        if address(10) = '1' then
+          word <= std_ulogic_vector(counts(to_integer(address(1 downto 0))));
+          state <= store;
+        elsif reading = '1' then
+          code <= device_failure_c;
+          state <= answer;
+        else
+          raddr <= address(9 downto 0);
+          arvalid <= '1';
+          reading <= '1';
+          state <= read;
+        end if;
+      elsif state = read then
+        waited <= waited + 1;
+        if m_axi_rvalid = '1' and m_axi_rresp = "00" then
+          word <= m_axi_rdata;
+          state <= store;
+        elsif m_axi_rvalid = '1' or waited = bus_clocks_g - 1 then
+          code <= device_failure_c;
+          state <= answer;
+        end if;
+      elsif state = store then
+        keep <= '1';
+        kept <= word(31 downto 24);
+        kept_at <= place;
+        word <= word(23 downto 0) & x"00";
+        place <= place + 1;
+        if moved < 3 then
+          moved <= moved + 1;
+        else
           moved <= 0;
-          place <= (others => '0');
-          counts(answered_c) <= counts(answered_c) + 1;
-          if code /= no_exception_c then
-            counts(exceptions_c) <= counts(exceptions_c) + 1;
-            last <= to_unsigned(2, 8);
-          elsif head(1) = write_c then
-            last <= to_unsigned(5, 8);
+          address <= address + 1;
+          left <= left - 1;
+          if left > 1 then
+            state <= ask_read;
           else
-            last <= answer_bytes + 2;
+            state <= answer;
           end if;
-          state <= load;
+        end if;
 
-        when load =>
-
-          state <= send;
-
-        when send =>
-
-          if tx_ready = '1' then
-            crc <= crc16_step(crc, answer_byte);
-            place <= place + 1;
-            if place = last then
-              state <= send_crc;
-            else
-              state <= load;
-            end if;
+      -- The answer
+      elsif state = answer then
+        crc <= crc16_start_c;
+        moved <= 0;
+        place <= (others => '0');
+        counts(answered_c) <= counts(answered_c) + 1;
+        if code /= no_exception_c then
+          counts(exceptions_c) <= counts(exceptions_c) + 1;
+          last <= to_unsigned(2, 8);
+        elsif head(1) = write_c then
+          last <= to_unsigned(5, 8);
+        else
+          last <= answer_bytes + 2;
+        end if;
+        state <= load;
+      elsif state = load then
+        state <= send;
+      elsif state = send then
+        if tx_ready = '1' then
+          crc <= crc16_step(crc, answer_byte);
+          place <= place + 1;
+          if place = last then
+            state <= send_crc;
+          else
+            state <= load;
           end if;
-
-        when send_crc =>
-
-          if tx_ready = '1' then
-            crc <= x"00" & crc(15 downto 8);
-            moved <= moved + 1;
-            if moved = 1 then
-              state <= drain;
-            end if;
+        end if;
+      elsif state = send_crc then
+        if tx_ready = '1' then
+          crc <= x"00" & crc(15 downto 8);
+          moved <= moved + 1;
+          if moved = 1 then
+            state <= drain;
           end if;
-
-        when drain =>
-
-          if tx_ready = '1' then
-            state <= idle;
-          end if;
-
-      end case;
+        end if;
+      else
+        if tx_ready = '1' then
+          state <= idle;
+        end if;
+      end if;
 
       if rst = '1' then
         state <= idle;

@@ -65,7 +65,7 @@ def repair(verilog: str) -> str:
     code = re.sub(r'"([01]{33,})"', lambda found: f"{len(found[1])}'b{found[1]}", code)
     code = re.sub(r"(\$signed\(\w+\)) >> ", r"\1 >>> ", code)
     code = _signed_products(code)
-    statements = re.sub(r"//.*", "", code)
+    statements = _without_full_cases(re.sub(r"//.*", "", code))
     for pattern, what in (
         (r'".*?"', "a string"),
         (r"\b(?:abs|minimum|maximum|mod|rem)\b", "an operator of VHDL"),
@@ -74,6 +74,16 @@ def repair(verilog: str) -> str:
         if found := re.search(pattern, statements, re.DOTALL):
             raise InputError(f"GHDL wrote {what} into its Verilog, {found[0][:40]!r}; write that VHDL another way")
     return code
+
+
+def _without_full_cases(code: str) -> str:
+    """The code less each case that lists every value of its selector, which is how GHDL reads an array by an index."""
+
+    def replaced(found: re.Match) -> str:
+        values = re.findall(r"^\s*(\d+)'b([01]+):", found[0], re.MULTILINE)
+        return "" if values and len({value for _, value in values}) == 2 ** int(values[0][0]) else found[0]
+
+    return re.sub(r"\bcase \(.*?\bendcase\b", replaced, code, flags=re.DOTALL)
 
 
 def _signed_products(code: str) -> str:
