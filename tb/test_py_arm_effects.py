@@ -101,6 +101,20 @@ def test_counterweight_is_a_moment_on_its_body():
     assert found.verdict == "explained"
 
 
+def test_tool_of_unknown_weight_is_a_payload_with_its_mass():
+    """0.6 kg at (0.1, 0, 0.05) m of the tool, 0.3 m behind the elbow, which is 0.4 m behind the shoulder."""
+
+    def tool(q, v, robot):
+        q1, q2 = q.T
+        elbow = 0.4 * np.cos(q1 + q2) - 0.05 * np.sin(q1 + q2)
+        return 9.81 * 0.6 * np.stack([0.4 * np.cos(q1) + elbow, elbow], axis=1)
+
+    (entry,) = diagnose(arm2(tool), Model(), 0).fit.effects
+    assert entry.name == "payload"
+    assert entry.parameters["mass"] == pytest.approx(0.6, rel=0.02)
+    assert entry.parameters["moment_x"] == pytest.approx(0.06, abs=0.01)
+
+
 def test_cable_on_one_joint_is_named_there_beside_friction_of_both():
     data = arm2(lambda q, v, robot: stiff_cable(q, v) + 0.2 * np.sign(v))
     found = diagnose(data, Model(), 0)

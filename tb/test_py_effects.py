@@ -44,7 +44,7 @@ CONTRACT = {
     "sensor_lag": ({"tau": "s"}, "none"),
     "backlash": ({"gap": "[q]", "travel": "[q]"}, "none"),
     "cogging": ({"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}, "compensator"),
-    "payload": ({"moment": "kg m", "torque": "[f]"}, "network"),
+    "payload": ({"mass": "kg", "moment": "kg m", "torque": "[f]"}, "network"),
     "body_moment": ({"moment": "kg m"}, "network"),
     "base_tilt": ({"tilt": "rad"}, "network"),
     "thrust_constant": ({"gain": "1"}, "network"),

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -29,6 +30,9 @@ def place(tmp_path_factory):
     force = load_machine(folder / "machine").robot.forces(data.q) + 1.5 * np.sign(data.v)
     noise = 0.1 * np.random.default_rng(1).standard_normal(data.shape)
     write_log(folder / "log.csv", data.t_s, data.q, data.v, force + noise)
+    shutil.copytree(ROOT / "weights" / "arm2", folder / "arm")
+    friction = '\n[[effects]]\nname = "coulomb_friction"\nparams = {fc_1 = 0.5}\n'
+    (folder / "arm" / "model.toml").write_text((folder / "arm" / ROBOT_TOML).read_text() + friction)
     rng = np.random.default_rng(2)
     torch_like(folder / "net.onnx", w=rng.normal(size=(9, 3)), v=rng.normal(size=(3, 9)), c=np.zeros(3), width=3)
     (folder / "turn.txt").write_text("Time,Position,Iq\n" + "".join(f"{k},{k / 99},0.1\n" for k in range(40)))
@@ -69,9 +73,10 @@ CASES = {
     "plan": ["log.csv", "--robot", "machine", "--report", "report"],
     "new": ["project", "--robot", "machine"],
     "import-network": ["net.onnx", "--robot", "machine", "--out", "imported", "--poses", "200"],
+    "correct": ["arm/model.toml", "--out", "arm/corrected.xml"],
     "vectors": ["--weights", "machine", "--out", "vectors.txt"],
 }
-WITHOUT_A_ROBOT = {"import"}
+WITHOUT_A_ROBOT = {"import", "correct"}  # correct reads the model.toml that a diagnosis wrote
 
 
 def test_every_command_is_looked_at():

@@ -23,9 +23,10 @@ from gravcomp.logs.missing import marks
 from gravcomp.logs.text_table import TextTable, is_missing, read_text_table
 from gravcomp.logs.units import KNOWN, OF_THE_MACHINE, in_contract
 from gravcomp.robot.machine import EFFORT_UNITS, Machine
-from gravcomp.robot.protocol import PoseError
+from gravcomp.robot.protocol import PoseError, Robot
 
 MIN_SAMPLES = 30
+_OTHER_ROBOT = 0.5  # of the RMS of the predictions: a robot that holds something else by more is not theirs
 _LARGEST = 1e15  # of any measured value: sums of squares stay far from overflow
 _COLUMN = re.compile(r"^(q|v|f|i|fm)([1-9]\d*)_(m|rad|mps|radps|n|nm|a)$")
 _SUFFIXES = {"q": ("m", "rad"), "v": ("mps", "radps"), "f": ("n", "nm"), "i": ("a",), "fm": ("n", "nm", "a")}
@@ -58,16 +59,19 @@ def read_measurement(
     if v is None:
         draft = Measurement(log.path.name, t_s, q, None, force, force, unit, (), run=run)
         v = velocity_from_position(t_s, q, run) if draft.is_ordered and np.ptp(t_s) > 0 else None
-    has_model = nominal is not None
-    if has_model:
+    is_predicted = nominal is not None
+    if is_predicted:
+        robot, told = _robot_behind(columns, machine, q, nominal, by_axis)
+        notes += told
         force_at = fit_force_function(q, nominal, [_suffix(name) for name in columns["q"]])
+        force_at = force_at or (robot.forces if robot else None)
     else:
         _check_machine(log, columns, machine)
-        nominal, force_at = _statics(log, q, machine), machine.robot.forces
+        robot, nominal, force_at = machine.robot, _statics(log, q, machine), machine.robot.forces
     return Measurement(
         log.path.name, t_s, q, v, force, nominal, unit, tuple(_suffix(name) for name in columns["q"]),
         temp_c=log.table["temp_c"].to_numpy() if "temp_c" in log.table else None, force_at=force_at,
-        robot=None if has_model else machine.robot, run=run if run.any() else None,
+        robot=robot, run=run if run.any() else None, is_predicted=is_predicted,
         units=by_axis if len(set(by_axis)) > 1 else (), notes=tuple(notes), n_dropped=log.n_dropped,
     )  # fmt: skip
 
@@ -285,6 +289,28 @@ def _effort(log: _Log, columns: dict, machine: Machine | None) -> tuple[np.ndarr
         if unit != own:
             raise InputError(f"{log.header}: column {name} is in {own}, the effort in {unit}; give both in one unit")
     return force, nominal, tuple(units)
+
+
+def _robot_behind(
+    columns: dict, machine: Machine | None, q: np.ndarray, nominal: np.ndarray, units: tuple[str, ...]
+) -> tuple[Robot | None, list[str]]:
+    """The machine's robot, to tell what the log's own predictions do not: bodies, gravity, passive joints. None, and a
+    line why, where the predictions are of another one.
+    """
+    if machine is None:
+        return None, []
+    aside = f"fm columns alone are the model, {machine.where} is left aside:"
+    wanted = [f"q{k}_{unit}" for k, unit in enumerate(machine.position_units, start=1)]
+    efforts = tuple(EFFORT_UNITS[unit] for unit in machine.position_units)
+    if columns["q"] != wanted or units != efforts:
+        return None, [f"{aside} it has {', '.join(wanted)} and efforts in {', '.join(dict.fromkeys(efforts))}"]
+    try:
+        off = np.sqrt(np.mean((machine.robot.forces(q) - nominal) ** 2) / max(np.mean(nominal**2), 1e-300))
+    except PoseError as error:
+        return None, [f"{aside} {error}"]
+    if off > _OTHER_ROBOT:
+        return None, [f"{aside} its efforts differ from them by {100 * off:.0f} % RMS"]
+    return machine.robot, []
 
 
 def _per_ampere(log: _Log, columns: dict, machine: Machine | None) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -19,8 +19,10 @@ def joined(first: Measurement, then: Measurement) -> Measurement:
     if same[0] != same[1]:
         raise InputError(f"{then.name}: other axes, units or columns than {first.name}; log both alike")
     rows, step = stacked(first, then), usual_step(first.t_s, first.runs)
-    of_both = first.force_at if first.robot is not None else (
-        fit_force_function(rows.q, rows.nominal, list(first.position_units)))  # fmt: skip
+    of_both = first.force_at
+    if first.robot is None or first.is_predicted:
+        of_both = fit_force_function(rows.q, rows.nominal, list(first.position_units))
+        of_both = of_both or (first.robot.forces if first.robot is not None else None)
     t_s = np.concatenate([first.t_s, then.t_s - then.t_s[0] + first.t_s[-1] + step])
     return replace(
         rows, t_s=t_s, force_at=of_both, run=np.concatenate([first.runs, then.runs + first.runs.max() + 1]),

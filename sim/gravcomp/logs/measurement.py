@@ -31,7 +31,7 @@ class Measurement:
     runs were joined; unsure (n, k): samples at which the direction is not sure for another reason than v;
     slow (n, k): samples at which a joint that is no axis reverses; units: of
     effort per axis, where they differ; notes: what reading the log had to put right, a line each; n_dropped: rows
-    without a value, or with a mark for one, that are not here.
+    without a value, or with a mark for one, that are not here; is_predicted: nominal is the log's own, not robot's.
     """
 
     name: str
@@ -51,6 +51,7 @@ class Measurement:
     units: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     n_dropped: int = 0
+    is_predicted: bool = False
 
     @property
     def shape(self) -> tuple[int, int]:

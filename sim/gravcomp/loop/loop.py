@@ -52,7 +52,7 @@ def generated_folder(folder: Path, run: str) -> Path:
 
 def check_robot(data: Measurement, weights: Path) -> None:
     """Raise InputError unless data are of the robot in the machine folder weights."""
-    if data.robot is None:
+    if data.robot is None or data.is_predicted:
         units = load_machine(weights).position_units
         wanted = ", ".join(f"q{k}_{unit}" for k, unit in enumerate(units, start=1))
         raise InputError(f"{data.name}: not of the robot of {weights}; give its positions {wanted}, without fm columns")

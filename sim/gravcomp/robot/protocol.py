@@ -115,6 +115,15 @@ class TakesPayload(Protocol):
 
 
 @runtime_checkable
+class LiftsPayload(TakesPayload, Protocol):
+    """The origin of its last body moves: an extra mass there is felt, whatever its first moment."""
+
+    def payload_mass_regressor(self, q: np.ndarray) -> np.ndarray:
+        """Efforts (..., n) per kg at the origin of that body's frame."""
+        ...
+
+
+@runtime_checkable
 class HasBodies(Protocol):
     """Can tell what an extra first moment on any of its bodies adds; the last one is that which takes a payload."""
 

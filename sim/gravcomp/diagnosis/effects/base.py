@@ -10,6 +10,8 @@ import numpy as np
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Variable
 from gravcomp.diagnosis.thresholds import PHYSICAL_PRICE, SCAN_PRICE
 from gravcomp.logs.measurement import Measurement
+from gravcomp.robot.mechanics import Mechanics
+from gravcomp.robot.protocol import Robot
 
 
 class Effect(Candidate):
@@ -75,6 +77,10 @@ class Effect(Candidate):
     def doubt(self, data: Measurement, parameters: Mapping[str, float]) -> np.ndarray:
         """How much of the force (n, k) has a direction that the log does not tell, beside that of the axes."""
         return np.zeros(data.shape)
+
+    def mechanics(self, robot: Robot, parameters: Mapping[str, float]) -> Mechanics | None:
+        """What the file of the robot takes of it; None where such a file has no place for it."""
+        return None
 
     def constants(self, data: Measurement, parameters: Mapping[str, float]) -> dict[str, np.ndarray]:
         """What the compensator takes of an effect in hardware: constants by name of the field of Compensation."""

@@ -5,6 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.robot.mechanics import Mechanics
 from gravcomp.robot.protocol import Robot, TurnsGravity
 
 
@@ -32,6 +33,9 @@ class BaseTilt(Effect):
     def predict(self, data, parameters):
         turned = turned_gravity(data.robot, parameters)
         return turned.forces(data.q) - data.robot.forces(data.q)
+
+    def mechanics(self, robot, parameters):
+        return Mechanics(gravity_direction=turned_gravity(robot, parameters).gravity_direction)
 
 
 def tilt_axes(down: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ import numpy as np
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
 from gravcomp.diagnosis.thresholds import TINY
+from gravcomp.robot.mechanics import Mechanics
 
 _INDEPENDENT = 1e-6  # of the largest regressor: less is left of one beside those of bodies nearer to the base
 
@@ -34,6 +35,12 @@ class BodyMoment(Effect):
     def predict(self, data, parameters):
         every = _regressors(data)
         return sum((value * every[label] for label, value in parameters.items()), np.zeros(data.shape))
+
+    def mechanics(self, robot, parameters):
+        moments = {_body(label): np.zeros(3) for label in parameters}
+        for label, value in parameters.items():
+            moments[_body(label)]["xyz".index(label[-1])] += value
+        return Mechanics(moments_kgm=moments)
 
     def groups(self, labels):
         """Bodies stay or go whole."""

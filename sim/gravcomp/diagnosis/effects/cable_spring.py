@@ -4,6 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, axes_in, by_axis
 from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.robot.mechanics import Mechanics
 
 
 class CableSpring(Effect):
@@ -40,3 +41,10 @@ class CableSpring(Effect):
         for i in axes_in(parameters, "k"):
             force[:, i] = parameters[Parameter("k", i)] * (data.q[:, i] - parameters[Parameter("q0", i)])
         return force
+
+    def mechanics(self, robot, parameters):
+        return Mechanics(
+            springs={
+                i: (parameters[Parameter("k", i)], parameters[Parameter("q0", i)]) for i in axes_in(parameters, "k")
+            }
+        )

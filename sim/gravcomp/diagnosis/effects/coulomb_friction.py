@@ -4,6 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, by_axis, per_axis
 from gravcomp.diagnosis.effects.base import Effect, needs_velocity
+from gravcomp.robot.mechanics import Mechanics
 
 
 class CoulombFriction(Effect):
@@ -34,6 +35,11 @@ class CoulombFriction(Effect):
     def same_as(self, parameters):
         """By direction it is a symmetric one and an offset of (fc_pos - fc_neg)/2."""
         return ("current_offset",) if any(name.startswith("fc_pos") for name in parameters) else ()
+
+    def mechanics(self, robot, parameters):
+        """Of friction by direction the mean: a file has one level."""
+        both, up, down = (per_axis(parameters, stem, robot.n_axes) for stem in ("fc", "fc_pos", "fc_neg"))
+        return Mechanics(friction=dict(enumerate(both + (up + down) / 2)))
 
     def constants(self, data, parameters):
         both, up, down = (per_axis(parameters, stem, data.n_axes) for stem in ("fc", "fc_pos", "fc_neg"))

@@ -1,7 +1,8 @@
 """Mass that the model does not accelerate."""
 
-from gravcomp.diagnosis.candidate import by_axis
+from gravcomp.diagnosis.candidate import by_axis, per_axis
 from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.robot.mechanics import Mechanics
 
 
 class Inertia(Effect):
@@ -19,3 +20,6 @@ class Inertia(Effect):
 
     def columns(self, data, shape):
         return by_axis(data, "m", data.acceleration)
+
+    def mechanics(self, robot, parameters):
+        return Mechanics(armature=dict(enumerate(per_axis(parameters, "m", robot.n_axes))))

@@ -4,6 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_velocity
+from gravcomp.robot.mechanics import Mechanics
 from gravcomp.robot.protocol import HasPassiveJoints
 
 _ROUNDING = 1e-9  # of the speed that the axes could give a joint: less is rest
@@ -29,17 +30,20 @@ class PassiveJointFriction(Effect):
 
     def columns(self, data, shape):
         force = _by_joint(data)
-        is_prismatic = _is_prismatic(data)
+        is_prismatic = _is_prismatic(data.robot)
         return {
             Parameter("fc_prismatic_n"): force[:, is_prismatic].sum(axis=1),
             Parameter("fc_rotary_nm"): force[:, ~is_prismatic].sum(axis=1),
         }
 
     def predict(self, data, parameters):
-        return np.einsum("npk,p->nk", _by_joint(data), _levels(data, parameters))
+        return np.einsum("npk,p->nk", _by_joint(data), _levels(data.robot, parameters))
 
     def doubt(self, data, parameters):
-        return doubt_of_friction(data.robot.passive_jacobian(data.q), data, _levels(data, parameters))
+        return doubt_of_friction(data.robot.passive_jacobian(data.q), data, _levels(data.robot, parameters))
+
+    def mechanics(self, robot, parameters):
+        return Mechanics(passive_friction=dict(enumerate(_levels(robot, parameters))))
 
     def constants(self, data, parameters):
         """The Coulomb friction that is nearest to these forces in the mean square."""
@@ -56,24 +60,24 @@ class FrictionOfEachPassiveJoint(PassiveJointFriction):
     complexity = 3.0
 
     def columns(self, data, shape):
-        return dict(zip(_names(data), _by_joint(data).transpose(1, 0, 2), strict=True))
+        return dict(zip(_names(data.robot), _by_joint(data).transpose(1, 0, 2), strict=True))
 
 
-def _is_prismatic(data) -> np.ndarray:
-    return np.array([unit == "m" for unit in data.robot.passive_units])
+def _is_prismatic(robot) -> np.ndarray:
+    return np.array([unit == "m" for unit in robot.passive_units])
 
 
-def _names(data) -> list[Parameter]:
+def _names(robot) -> list[Parameter]:
     """Parameter of the level of each passive joint."""
-    is_prismatic = _is_prismatic(data)
+    is_prismatic = _is_prismatic(robot)
     number = np.where(is_prismatic, np.cumsum(is_prismatic), np.cumsum(~is_prismatic)) - 1
     stems = np.where(is_prismatic, "fc_prismatic_n", "fc_rotary_nm")
     return [Parameter(str(stem), int(own)) for stem, own in zip(stems, number, strict=True)]
 
 
-def _levels(data, parameters) -> np.ndarray:
+def _levels(robot, parameters) -> np.ndarray:
     """Friction of each passive joint, (p,): of its kind, its own, or both."""
-    names = _names(data)
+    names = _names(robot)
     return np.array([parameters.get(own.stem, 0.0) + parameters.get(own, 0.0) for own in names])
 
 

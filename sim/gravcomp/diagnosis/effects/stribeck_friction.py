@@ -4,6 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, on_axis, per_axis
 from gravcomp.diagnosis.effects.base import Effect, needs_velocity
+from gravcomp.robot.mechanics import Mechanics
 
 
 class StribeckFriction(Effect):
@@ -40,6 +41,10 @@ class StribeckFriction(Effect):
     def contrasts(self, labels):
         falls = [{Parameter("fs", label.axis): 1.0, label: -1.0} for label in labels if label.stem == "fc"]
         return super().contrasts(labels) + falls
+
+    def mechanics(self, robot, parameters):
+        """Its sliding level: a file has no other."""
+        return Mechanics(friction=dict(enumerate(per_axis(parameters, "fc", robot.n_axes))))
 
     def constants(self, data, parameters):
         fc, fs, vs = (per_axis(parameters, stem, data.n_axes) for stem in ("fc", "fs", "vs"))

@@ -4,6 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, by_axis, per_axis
 from gravcomp.diagnosis.effects.base import Effect, needs_velocity
+from gravcomp.robot.mechanics import Mechanics
 
 
 class ViscousFriction(Effect):
@@ -31,6 +32,11 @@ class ViscousFriction(Effect):
             up, down = parameters.get(Parameter("b_pos", i), 0.0), parameters.get(Parameter("b_neg", i), 0.0)
             force[:, i] = (parameters.get(Parameter("b", i), 0.0) + np.where(v > 0, up, down)) * v
         return force
+
+    def mechanics(self, robot, parameters):
+        """Of damping by direction the mean: a file has one number."""
+        both, up, down = (per_axis(parameters, stem, robot.n_axes) for stem in ("b", "b_pos", "b_neg"))
+        return Mechanics(damping=dict(enumerate(both + (up + down) / 2)))
 
     def constants(self, data, parameters):
         both, up, down = (per_axis(parameters, stem, data.n_axes) for stem in ("b", "b_pos", "b_neg"))

@@ -36,7 +36,11 @@ def next_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
     if alternatives:
         steps.append(f"measure what {_PLAN} writes before you trust the name {plain(alternatives[0][0])}")
     if into:
-        how = "gravcomp loop does it" if d.data.robot is not None else "model.toml has the values"
+        how = (
+            "gravcomp loop does it"
+            if d.data.robot is not None and not d.data.is_predicted
+            else "model.toml has the values"
+        )
         steps.append(f"put {joined(into)} ({how})")
     if "none" in places:
         verb = "have" if len(places["none"]) > 1 else "has"

@@ -156,6 +156,15 @@ class Mechanism:
         closed = self._closed(q.reshape(-1, self.n_axes))
         return self._moment_columns(closed, self.tree.place(closed.qpos), self.last_body).reshape(*q.shape, 3)
 
+    def payload_mass_regressor(self, q: np.ndarray) -> np.ndarray:
+        """Efforts (..., n) per kg at the origin of the payload body's frame: V = -g . x."""
+        q = self._checked(q)
+        closed = self._closed(q.reshape(-1, self.n_axes))
+        placement = self.tree.place(closed.qpos)
+        motion = self.tree.point_jacobian(placement, self.last_body, placement.origin[self.last_body])
+        columns = -np.einsum("c,ncv->nv", self.gravity_mps2, motion)[..., None]
+        return self._along_axes(columns, closed)[..., 0].reshape(q.shape)
+
     def _moment_columns(self, closed: Closed, placement: Placement, body: int) -> np.ndarray:
         """V = -g . R s of a first moment s; along a turn about a, dV = -g . (a x R s)."""
         turning = self.tree.turning_jacobian(placement, body)
@@ -205,6 +214,11 @@ class ClosedMechanism(Mechanism):
         rows, _ = self._simple_joints
         tangent = self._closed(q.reshape(-1, self.n_axes)).tangent[:, rows]
         return tangent.reshape(*q.shape[:-1], len(rows), self.n_axes)
+
+    @property
+    def passive_joints(self) -> np.ndarray:
+        """Numbers of the joints that passive_units are of."""
+        return self._simple_joints[1]
 
     @property
     def _simple_joints(self) -> tuple[np.ndarray, np.ndarray]:
