@@ -188,6 +188,72 @@ def test_repeated_stamp_costs_no_velocity(tmp_path):
     assert names(found) == {"coulomb_friction"}
 
 
+@pytest.mark.parametrize("has_v", [True, False])
+def test_stamps_that_jitter_are_found_and_put_right(tmp_path, has_v):
+    """Even samples, stamps 20 ms off at 100 ms: a derivative along them is wrong."""
+    t, q, v, model, noise = arm()
+    stamps = t + 0.02 * np.random.default_rng(8).standard_normal(N)
+    speed = {"v1_radps": v} if has_v else {}
+    text = log(t_s=stamps, q1_rad=q, **speed, f1_nm=model + 0.5 * np.sign(v) + 0.2 * v + noise, fm1_nm=model)
+    found = diagnosed(tmp_path, text)
+    assert names(found) == {"coulomb_friction", "viscous_friction"}
+    assert value(found, "viscous_friction", "b_1") == pytest.approx(0.2, abs=0.03)
+    assert is_said(found, "t_s", "jitter", "even clock")
+
+
+def test_samples_that_were_taken_unevenly_keep_their_stamps(tmp_path):
+    even = 0.1 * np.arange(N) + 0.02 * np.random.default_rng(8).standard_normal(N)
+    q, v = 1.1 * np.sin(0.9 * even), 0.99 * np.cos(0.9 * even)
+    f = 8.0 * np.cos(q) + 0.5 * np.sign(v) + NOISE * np.random.default_rng(1).standard_normal(N)
+    found = diagnosed(tmp_path, log(t_s=even, q1_rad=q, v1_radps=v, f1_nm=f, fm1_nm=8.0 * np.cos(q)))
+    assert names(found) == {"coulomb_friction"}
+    assert not is_said(found, "jitter")
+
+
+def held(values: np.ndarray, rows: int) -> np.ndarray:
+    return values[np.arange(len(values)) // rows * rows]
+
+
+@pytest.mark.parametrize("column", ["f", "q", "q and v", "q without v"])
+def test_column_of_a_slower_clock_is_found_and_put_right(tmp_path, column):
+    """Held over eight rows, 0.32 s: as late as a lag of half of it, and no presliding, backlash or cogging."""
+    t, q, v, model, noise = arm(2000, dt=0.04)
+    f = model + 0.5 * np.sign(v) + noise
+    f = held(f, 8) if column == "f" else f
+    q, own = (held(q, 8), model) if "q" in column else (q, model)
+    v = held(v, 8) if "v" in column and "without" not in column else v
+    if "q" in column:
+        own = held(own, 8)
+    speed = {} if "without" in column else {"v1_radps": v}
+    found = diagnosed(tmp_path, log(t_s=t, q1_rad=q, **speed, f1_nm=f, fm1_nm=own))
+    assert names(found) == {"coulomb_friction"}
+    assert value(found, "coulomb_friction", "fc_1") == pytest.approx(0.5, abs=0.02)
+    assert is_said(found, "stands for 8 rows at a time")
+    assert found["after_without_reversals"]["rms_n"] < 1.2 * NOISE
+
+
+def test_steps_of_a_converter_are_no_slower_clock(tmp_path):
+    t, q, v, model, noise = arm(2000, dt=0.02)
+    f = 0.1 * np.round((model + 0.5 * np.sign(v) + 0.2 * noise) / 0.1)
+    found = diagnosed(tmp_path, log(t_s=t, q1_rad=q, v1_radps=v, f1_nm=f, fm1_nm=model))
+    assert "coulomb_friction" in names(found)
+    assert not is_said(found, "rows at a time")
+
+
+def test_late_velocity_is_a_lag_of_its_own(tmp_path):
+    """0.3 s late: at each reversal the sign of v is that of before."""
+    t, q, v, model, noise = arm(2000, dt=0.02)
+    late = np.interp(t - 0.3, t, v)
+    text = log(t_s=t, q1_rad=q, v1_radps=late, f1_nm=model + 0.5 * np.sign(v) + 0.3 * v + noise, fm1_nm=model)
+    found = diagnosed(tmp_path, text)
+    assert names(found) == {"sensor_lag", "coulomb_friction", "viscous_friction"}
+    assert value(found, "sensor_lag", "tau_v_1") == pytest.approx(0.3, abs=0.02)
+    assert value(found, "viscous_friction", "b_1") == pytest.approx(0.3, abs=0.02)
+    assert "check the filter of the velocity" in found["next"]
+    again = diagnosed(tmp_path, text, "--robot", str(tmp_path / "out" / "model.toml"))
+    assert again["verdict"] == "nothing_missing"
+
+
 def test_restart_of_the_clock_is_a_second_run(tmp_path):
     lines = arm_log(coulomb).splitlines()
     found = diagnosed(tmp_path, "\n".join([*lines, *lines[1:300]]) + "\n")
@@ -260,6 +326,17 @@ def test_change_may_be_negative_where_the_model_has_too_much(tmp_path):
     assert names(found) == {"coulomb_friction"}
     assert value(found, "coulomb_friction", "fc_1") == pytest.approx(-0.3, abs=0.02)
     assert is_said(found, "too much coulomb_friction")
+
+
+def test_friction_that_falls_with_speed_changes_a_model_of_constant_friction(tmp_path):
+    """0.6 at rest and 0.3 at speed, where the model has 0.5 at both: more at rest, less at speed."""
+    text = arm_log(lambda t, q, v, model: (0.3 + 0.3 * np.exp(-((v / 0.25) ** 2))) * np.sign(v))
+    model = tmp_path / "m.toml"
+    model.write_text('[[effects]]\nname = "coulomb_friction"\n[effects.params]\nfc_1 = 0.5\n')
+    found = diagnosed(tmp_path, text, "--robot", str(model))
+    assert names(found) == {"stribeck_friction"}
+    assert value(found, "stribeck_friction", "fs_1") == pytest.approx(0.1, abs=0.06)
+    assert value(found, "stribeck_friction", "fc_1") == pytest.approx(-0.2, abs=0.04)
 
 
 def test_unexplained_structure_is_never_explained(tmp_path):

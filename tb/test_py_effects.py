@@ -41,7 +41,7 @@ CONTRACT = {
     "position_dependent_friction": ({"fc": "[f]", "slope": "[f]/[q]"}, "compensator"),
     "friction_step": ({"step": "[f]", "t_step": "s"}, "none"),
     "sensor_sign": ({"sign": "1"}, "none"),
-    "sensor_lag": ({"tau": "s"}, "none"),
+    "sensor_lag": ({"tau": "s", "tau_v": "s"}, "none"),
     "backlash": ({"gap": "[q]", "travel": "[q]"}, "none"),
     "cogging": ({"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}, "compensator"),
     "payload": ({"mass": "kg", "moment": "kg m", "torque": "[f]"}, "network"),

@@ -45,3 +45,27 @@ def test_effect_that_a_table_could_be_does_not_run_away(kind, beside, shape):
 def test_effect_that_the_data_tell_is_not_pulled():
     _, fit = fitted([term(ViscousFriction())])
     assert fit.effects[0].parameters["b_1"] == pytest.approx(SLOPE, abs=4 * NOISE_N / np.sqrt(N))
+
+
+FALL = {Parameter("fs", 0): -0.4, Parameter("fc", 0): -0.1, VS: 0.3}
+
+
+@pytest.mark.parametrize(("known", "fs", "fc"), [
+    ({"stribeck_friction": {"fs_1": 1.0, "fc_1": 0.5}}, -0.4, -0.1),  # 0.6 at rest, 0.4 at speed: possible
+    ({"stribeck_friction": {"fs_1": 0.5, "fc_1": 0.4}, "coulomb_friction": {"fc_1": 1.0}}, None, None),  # 1.1, 1.3
+    ({"coulomb_friction": {"fc_1": 1.0}}, None, None),  # 0.6, 0.9
+    ({}, None, None),
+])  # fmt: skip
+def test_friction_at_rest_is_never_less_than_at_speed_with_what_the_model_has(known, fs, fc):
+    """A change of friction may be negative, but the sum falls with speed and stays positive."""
+    data, effect = motion(), StribeckFriction()
+    residual, own = effect.predict(data, FALL), [term(effect, {VS: 0.3})]
+    entry = fit_terms(data, residual, np.arange(N), own, [], np.array([NOISE_N]), known=known).effects[0]
+    parameters = entry.parameters
+    if fs is not None:
+        assert (parameters["fs_1"], parameters["fc_1"]) == pytest.approx((fs, fc), abs=1e-3)
+    own, others = known.get("stribeck_friction", {}), known.get("coulomb_friction", {}).get("fc_1", 0.0)
+    at_rest = others + own.get("fs_1", 0.0) + parameters["fs_1"]
+    at_speed = others + own.get("fc_1", 0.0) + parameters["fc_1"]
+    assert at_rest >= at_speed - 1e-6
+    assert at_speed >= -1e-6

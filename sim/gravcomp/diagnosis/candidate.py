@@ -152,8 +152,8 @@ class Candidate:
         """Sums of coefficients that can only be >= 0."""
         return []
 
-    def allowance(self, label: Parameter, known: Mapping[str, float]) -> float:
-        """How far below zero a coefficient of a contrast may be, where the model has ``known`` parameters already."""
+    def allowance(self, label: Parameter, known: Mapping[str, Mapping[str, float]]) -> float:
+        """How far below zero a coefficient of a contrast may be, where the model has ``known`` parameters by effect."""
         return 0.0
 
     def reduces(self, intervals: Mapping[str, tuple[float, float]]) -> bool:

@@ -148,14 +148,14 @@ def _attempt(data: Measurement, of_sensors: list[Entry], model: Model, train, bl
 
 def _read(data: Measurement, of_sensors: list[Entry], model: Model, train, blocks, tick) -> _Attempt:
     before = data.force - data.nominal - model.predict(data)
-    found = _search(data, before, _search_rows(train), model.parameters, tick)
+    found = _search(data, before, _search_rows(train), model.known, tick)
     tick("fit")
-    fit = _fit(data, before, train, blocks, found, model.parameters)
+    fit = _fit(data, before, train, blocks, found, model.known)
     noise = model_free(data, before - fit.predict(data), ~data.is_undecided)
     choice = certain(found.criterion, found.choice, noise.sigma)
     if choice != found.choice:
         found = replace(found, choice=choice)
-        fit = _fit(data, before, train, blocks, found, model.parameters)
+        fit = _fit(data, before, train, blocks, found, model.known)
     return _Attempt(data, of_sensors, before, found, fit, before - fit.predict(data))
 
 

@@ -59,7 +59,7 @@ def fit_terms(
     corrections: list[Term],
     noise: np.ndarray,
     left_out: np.ndarray | None = None,
-    known: Mapping[str, float] = MappingProxyType({}),
+    known: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
 ) -> Fit:
     """Fit all terms together on the given rows; noise (k,) weighs the axes; left_out (rows, k) has no weight; known:
     parameters that the model has already, of which a change may take away.
@@ -211,7 +211,7 @@ class _Physics:
 def _bounds(effects, names, x0, known) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Bounds of the variables z of the search, and mix, with parameters x = mix z.
 
-    z is x itself, but where a difference of two parameters is >= 0: there it is the difference.
+    z is x itself; where a difference of two parameters, with that of the model, is >= 0, it is the difference.
     """
     low, high, mix = np.full(len(x0), -np.inf), np.full(len(x0), np.inf), np.eye(len(x0))
     place = {own: j for j, own in enumerate(names)}
@@ -226,9 +226,10 @@ def _bounds(effects, names, x0, known) -> tuple[np.ndarray, np.ndarray, np.ndarr
             if len(own) == len(contrast) == 1:
                 j, factor, label = own[0]
                 (low if factor > 0 else high)[j] = -np.sign(factor) * term.candidate.allowance(label, known)
-            elif len(own) == len(contrast) == 2 and not known:
+            elif len(own) == len(contrast) == 2:
                 (a, _, _), (b, _, _) = sorted(own, key=lambda entry: -entry[1])
-                mix[a, b], low[a] = 1.0, 0.0
+                allowed = sum(factor * term.candidate.allowance(label, known) for _, factor, label in own)
+                mix[a, b], low[a] = 1.0, -max(allowed, 0.0)
     return low, high, mix
 
 

@@ -35,12 +35,12 @@ class Model:
     corrections: list[tuple[Correction, tuple[float, ...]]] = field(default_factory=list)
 
     @property
-    def parameters(self) -> dict[str, float]:
-        """Sums of the effects' parameters by name: what a change may take away."""
-        total = Counter()
-        for _, parameters in self.effects:
-            total.update(parameters)
-        return dict(total)
+    def known(self) -> dict[str, dict[str, float]]:
+        """By effect the sums of its parameters by name: what a change may take away."""
+        total: dict[str, Counter] = {}
+        for name, parameters in self.effects:
+            total.setdefault(name, Counter()).update(parameters)
+        return {name: dict(own) for name, own in total.items()}
 
     def grown(self, fit: Fit) -> "Model":
         """This model with what was fitted on top of it."""

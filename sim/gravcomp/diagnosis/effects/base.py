@@ -95,7 +95,7 @@ class Effect(Candidate):
     def allowance(self, label, known):
         """A coefficient may be this far below zero: the model has so much already, in both directions or in one."""
         both = Parameter(label.stem.removesuffix("_pos").removesuffix("_neg"), label.axis)
-        return max(known.get(label, 0.0) + (known.get(both, 0.0) if both != label else 0.0), 0.0)
+        return max(sum(own.get(name, 0.0) for own in known.values() for name in {label, both}), 0.0)
 
     def contrasts(self, labels):
         return [{label: 1.0} for label in labels if label.stem in self.positive]

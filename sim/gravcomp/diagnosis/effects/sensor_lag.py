@@ -1,31 +1,34 @@
-"""The effort is logged late: a filter in the drive, a bus, a clock of its own."""
+"""Effort or velocity are logged late: a filter in the drive, a bus, a clock of its own."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from gravcomp.diagnosis.candidate import Parameter
+from gravcomp.diagnosis.candidate import Parameter, axes_in
 from gravcomp.diagnosis.effects.base import Effect
 from gravcomp.logs.clock import derivative, usual_step
-from gravcomp.logs.measurement import Measurement
+from gravcomp.logs.measurement import Measurement, velocity_from_position
 
 _ROWS = 200
 _REVERSAL = 12  # rows on either side of a reversal that friction and lag share
 _SURE = 8.0  # standard errors of the lag
 _AGREE = 4.0, 0.25  # standard errors, part of the lag: axes that differ by more have no common lag
 _MATTERS = 0.3  # of the remainder: what the lag must take
+_STEPS = 1.5  # of the clock: a difference to the row before is half a step late, and hurts nobody
+_LATE_V = 0.03  # of the usual speed: what the lag of v must make of it
+_TURNS = 6  # Gauss-Newton, which a lag of a quarter of a period needs
 _SETTLED = 4.0  # lags after a reversal in which a filter, too, has settled
 
 
 class SensorLag(Effect):
-    """f_exp(t) = f(t - tau): to first order -tau df/dt, on all axes alike."""
+    """f_exp(t) = f(t - tau): to first order -tau df/dt, on all axes alike; v_i(t) = dq_i/dt(t - tau_v_i)."""
 
     name = "sensor_lag"
     driver = "f"
-    equation = "f(t - tau) - f(t), f the true effort"
+    equation = "f(t - tau) - f(t), f the true effort; v_i(t) = dq_i/dt at t - tau_v_i"
     hardware = "none"
     sensor = "the filter of the effort, which comes late"
-    units = {"tau": "s"}  # noqa: RUF012
+    units = {"tau": "s", "tau_v": "s"}  # noqa: RUF012
     is_certain = False  # play and presliding are late, too
 
     def unavailable(self, data):
@@ -54,8 +57,10 @@ class SensorLag(Effect):
         return {Parameter("tau_s"): (common, float(1.96 / np.sqrt(np.sum(1.0 / error**2))))}
 
     def corrected(self, data, parameters):
-        """The effort beside the pose of tau before; where a reversal has not settled the direction is not sure."""
-        tau = parameters.get("tau_s", 0.0)
+        """v of tau_v later; the effort beside the pose of tau before: where a reversal has not settled the direction is
+        not sure.
+        """
+        data, tau = _hastened(data, parameters), parameters.get("tau_s", 0.0)
         if not tau:
             return data
         q, v, nominal = (None if x is None else x.copy() for x in (data.q, data.v, data.nominal))
@@ -69,6 +74,57 @@ class SensorLag(Effect):
         before = (data.t_s - started < tau)[:, None]  # what came before the log is in no row
         wide = int(np.ceil(_SETTLED * tau / usual_step(data.t_s, data.runs)))
         return replace(late, unsure=_near_reversal(late, wide) | before)
+
+
+class VelocityLag(SensorLag):
+    """v_i(t) = dq_i/dt(t - tau_v_i), seen where both are in the log."""
+
+    sensor = "the filter of the velocity, which comes late"
+    is_certain = True  # of a position and a velocity in one log
+
+    def seen_in(self, data):
+        """Least squares of v beside dq/dt at t - tau and its derivative, for both."""
+        if data.v is None or not data.is_ordered or len(data.t_s) < _ROWS:
+            return {}
+        slope = velocity_from_position(data.t_s, data.q, data.runs)
+        step = usual_step(data.t_s, data.runs)
+        found = {i: _lag_of_velocity(data, i, slope[:, i]) for i in np.flatnonzero(~np.array(data.is_held))}
+        return {
+            Parameter("tau_v", int(i)): (lag, 1.96 * error)
+            for i, (lag, error, part) in found.items()
+            if lag > max(_STEPS * step, _SURE * error) and part > _LATE_V
+        }
+
+
+def _lag_of_velocity(data: Measurement, i: int, slope: np.ndarray) -> tuple[float, float, float]:
+    """Lag of v of one axis behind dq/dt, its standard error, and how much of v it makes."""
+    t, v, lag, first = data.t_s, data.v[:, i], 0.0, data.runs == data.runs[0]
+    t, v, slope = t[first], v[first], slope[first]
+    turn = np.gradient(slope, t)
+    for _ in range(_TURNS):
+        x = np.column_stack([np.interp(t - lag, t, slope), -np.interp(t - lag, t, turn)])
+        inverse = np.linalg.pinv(x.T @ x, rcond=1e-12)
+        size, more = inverse @ (x.T @ v)
+        if size <= 0.0:
+            return 0.0, np.inf, 0.0
+        lag = float(np.clip(lag + more / size, 0.0, 0.1 * np.ptp(t)))
+    left = v - x @ [size, more]
+    if left.std() > 0.3 * v.std():  # no copy of dq/dt, however late
+        return 0.0, np.inf, 0.0
+    error = float(np.sqrt(inverse[1, 1]) * left.std() / size)
+    return lag, error, float(lag * turn.std() / max(slope.std(), 1e-300))
+
+
+def _hastened(data: Measurement, parameters) -> Measurement:
+    late = axes_in(parameters, "tau_v")
+    if not late or data.v is None:
+        return data
+    v = data.v.copy()
+    for i in late:
+        for rows in (np.flatnonzero(data.runs == run) for run in np.unique(data.runs)):
+            t = data.t_s[rows]
+            v[rows, i] = np.interp(t + parameters[Parameter("tau_v", i)], t, v[rows, i])
+    return replace(data, v=v)
 
 
 def _at(when: np.ndarray, t_s: np.ndarray, x: np.ndarray) -> np.ndarray:

@@ -46,6 +46,13 @@ class StribeckFriction(Effect):
         """Its sliding level: a file has no other."""
         return Mechanics(friction=dict(enumerate(per_axis(parameters, "fc", robot.n_axes))))
 
+    def allowance(self, label, known):
+        """At rest the model has its own fs, and the fc of its other frictions."""
+        if label.stem != "fs":
+            return super().allowance(label, known)
+        stems = {name: "fs" if name == self.name else "fc" for name in known}
+        return max(sum(own.get(Parameter(stems[name], label.axis), 0.0) for name, own in known.items()), 0.0)
+
     def constants(self, data, parameters):
         fc, fs, vs = (per_axis(parameters, stem, data.n_axes) for stem in ("fc", "fs", "vs"))
         return {"fc_pos": fc, "fc_neg": fc, "stribeck": fs - fc, "vs": vs}

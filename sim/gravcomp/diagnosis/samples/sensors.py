@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gravcomp.diagnosis.samples.outliers import spread
+from gravcomp.diagnosis.samples.timing import put_right
 from gravcomp.diagnosis.thresholds import LEAK, SIGN_GAIN, TINY, TWO_VALUED
 from gravcomp.logs.measurement import Measurement, velocity_from_position
 
@@ -24,9 +25,9 @@ class Checked:
 
 
 def check(data: Measurement) -> Checked:
-    """Positions that read the effort back, velocities that are none, in that order."""
+    """Clocks and holds, velocities that are none, positions that read the effort back, in that order."""
     notes = list(data.notes)
-    for step in (_standing, _velocity, _leakage):
+    for step in (put_right, _standing, _velocity, _leakage):
         data, told = step(data)
         notes += told
     return Checked(data, tuple(notes))

@@ -18,8 +18,10 @@ Members = frozenset  # of numbers of terms
 class Criterion:
     """Scores sets of terms. Terms are known by number; ``part`` adds those of fewer axes."""
 
-    def __init__(self, terms: list[Term], gram: Gram, n_effects: int, known: Mapping[str, float]):
-        """The first n_effects terms are effects, the others corrections; known: parameters that the model has."""
+    def __init__(self, terms: list[Term], gram: Gram, n_effects: int, known: Mapping[str, Mapping[str, float]]):
+        """The first n_effects terms are effects, the others corrections; known: by effect the parameters that the model
+        has.
+        """
         self.known = known
         self.terms, self.gram, self.place = list(terms), gram, list(gram.place)
         self.effects, self.corrections = range(n_effects), range(n_effects, len(terms))
