@@ -61,10 +61,10 @@ train: setup ## train the network of the machine in WEIGHTS anew; write it there
 table1: setup ## the paper's Table 1, trained here, beside the paper's figures
 	@$(LAB) table1
 
-rom: setup ## write rtl/generated from the machine folder WEIGHTS
+rom: setup ## write rtl/generated, network and registers, from the machine folder WEIGHTS
 	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)"
 
-regs: setup ## write registers (VHDL, C header; HTML into build/registers) and IP-XACT from rtl/registers/gc_registers.rdl
+regs: setup ## write the C header of the registers, pages (build/registers) and IP-XACT from rtl/registers/gc_registers.rdl
 	@scripts/registers.sh
 
 system: setup ## gc_system: registers, interrupt, results on two clocks; path latency from encoder edge to command

@@ -7,7 +7,7 @@
 
 #define OFFSET(name) ((uint32_t)offsetof(gc_registers_t, name))
 #define FIELD(word, name) (((word) & GC_REGISTERS__##name##_bm) >> GC_REGISTERS__##name##_bp)
-#define AXES(word, name) ((uint8_t)FIELD(word, AXIS_FLAGS__##name))
+#define AXES(word, name) ((uint8_t)FIELD(word, name))
 
 static uint32_t read_word(const gravcomp_bus *bus, uint32_t offset)
 {
@@ -32,9 +32,9 @@ static int32_t to_signed(uint32_t word)
     return word <= INT32_MAX ? (int32_t)word : -(int32_t)~word - 1;
 }
 
-static void read_axes(const gravcomp_bus *bus, uint32_t offset, int32_t *values)
+static void read_axes(const gravcomp_bus *bus, const gravcomp_identity *identity, uint32_t offset, int32_t *values)
 {
-    for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
+    for (uint32_t i = 0; i < identity->axes; i++) {
         values[i] = to_signed(read_word(bus, offset + 4 * i));
     }
 }
@@ -87,27 +87,36 @@ gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identi
         || FIELD(version, VERSION__MINOR) != GC_REGISTERS__VERSION__MINOR_reset) {
         return GRAVCOMP_WRONG_VERSION;
     }
+    identity->axes = AXES(geometry, GEOMETRY__OUTPUTS);
+    if (identity->axes > GRAVCOMP_MAX_AXES) {
+        return GRAVCOMP_WRONG_VERSION;
+    }
     identity->hidden = (uint8_t)FIELD(geometry, GEOMETRY__HIDDEN);
     identity->lanes = (uint8_t)FIELD(geometry, GEOMETRY__LANES);
     identity->clock_hz = read_word(bus, OFFSET(clock_hz));
     identity->filter_samples = FIELD(read_word(bus, OFFSET(encoder_geometry)), ENCODER_GEOMETRY__FILTER_SAMPLES);
     read_words(bus, OFFSET(weights_hash), identity->weights_hash, 8);
     read_words(bus, OFFSET(compensation_hash), identity->compensation_hash, 8);
-    read_axes(bus, OFFSET(trained_low), identity->trained_low);
-    read_axes(bus, OFFSET(trained_high), identity->trained_high);
+    read_axes(bus, identity, OFFSET(trained_low), identity->trained_low);
+    read_axes(bus, identity, OFFSET(trained_high), identity->trained_high);
     return GRAVCOMP_OK;
 }
 
 static bool is_too_fast(const gravcomp_identity *identity, const gravcomp_settings *settings)
 {
-    uint32_t speed = settings->speed_max_counts_per_s;
+    for (uint32_t i = 0; i < identity->axes; i++) {
+        uint32_t speed = settings->speed_max_counts_per_s[i];
 
-    return speed > 0 && period_min(identity, speed) <= shortest_period(identity);
+        if (speed > 0 && period_min(identity, speed) <= shortest_period(identity)) {
+            return true;
+        }
+    }
+    return false;
 }
 
-static bool is_bad_period(const gravcomp_settings *settings)
+static bool is_bad_period(const gravcomp_identity *identity, const gravcomp_settings *settings)
 {
-    for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
+    for (uint32_t i = 0; i < identity->axes; i++) {
         if (settings->index_period[i] % 4) {
             return true;
         }
@@ -115,42 +124,68 @@ static bool is_bad_period(const gravcomp_settings *settings)
     return false;
 }
 
+/* Of the currents of an axis, a line or NULL. */
+static const char *current_complaint(const gravcomp_settings *settings, uint32_t axis)
+{
+    if (settings->current_limit_ua[axis] > INT32_MAX) {
+        return "current_limit_ua: above 2147483647";
+    }
+    if (settings->current_slew_ua[axis] > INT32_MAX) {
+        return "current_slew_ua: above 2147483647";
+    }
+    if (settings->command_bound_ua[axis] > INT32_MAX) {
+        return "command_bound_ua: above 2147483647";
+    }
+    if (settings->current_limit_ua[axis] == 0) {
+        return "current_limit_ua: 0 carries no load";
+    }
+    if (settings->current_slew_ua[axis] == 0) {
+        return "current_slew_ua: 0 never reaches current_limit_ua";
+    }
+    return NULL;
+}
+
+/* Results from zero to current_limit_ua, of the axis that takes most, and one more. */
+static uint64_t results_of_ramp(const gravcomp_identity *identity, const gravcomp_settings *settings)
+{
+    uint64_t most = 0;
+
+    for (uint32_t i = 0; i < identity->axes; i++) {
+        uint64_t slew = settings->current_slew_ua[i];
+        uint64_t results = (settings->current_limit_ua[i] + slew - 1) / slew + 1;
+
+        most = results > most ? results : most;
+    }
+    return most;
+}
+
 const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp_settings *settings)
 {
-    uint64_t limit = settings->current_limit_ua;
-    uint64_t slew = settings->current_slew_ua;
-    uint64_t results = 0;
     uint64_t ramp = 0;
     uint64_t test = clocks(identity, settings->brake_test_us);
 
+    if (settings->axes != identity->axes) {
+        return "axes: not those of the core; give those of the machine folder of its ROM, or build it with your ROM";
+    }
     if (settings->clock_hz != identity->clock_hz) {
         return "clock_hz: not that of the core; give that of the machine folder of its ROM, or build it with your ROM";
     }
-    if (limit > INT32_MAX) {
-        return "current_limit_ua: above 2147483647";
-    }
-    if (slew > INT32_MAX) {
-        return "current_slew_ua: above 2147483647";
-    }
-    if (settings->command_bound_ua > INT32_MAX) {
-        return "command_bound_ua: above 2147483647";
-    }
-    if (limit == 0) {
-        return "current_limit_ua: 0 carries no load";
-    }
-    if (slew == 0) {
-        return "current_slew_ua: 0 never reaches current_limit_ua";
+    for (uint32_t i = 0; i < identity->axes; i++) {
+        const char *line = current_complaint(settings, i);
+
+        if (line != NULL) {
+            return line;
+        }
     }
     if (is_too_fast(identity, settings)) {
         return "speed_max_counts_per_s: more than the core can measure with its encoder filter";
     }
-    if (is_bad_period(settings)) {
+    if (is_bad_period(identity, settings)) {
         return "index_period: not a multiple of 4";
     }
-    results = (limit + slew - 1) / slew + 1;
-    ramp = results * clocks(identity, settings->tick_us) + clocks(identity, settings->brake_us);
+    ramp = results_of_ramp(identity, settings) * clocks(identity, settings->tick_us) + clocks(identity, settings->brake_us);
     if (test > 0) {
-        ramp += 4 * GRAVCOMP_AXES * (test + 2) + 1;
+        ramp += 4 * identity->axes * (test + 2) + 1;
     }
     if (ramp > clocks(identity, settings->hold_us)) {
         return "hold_us: shorter than the slew from 0 to current_limit_ua, brake_us and the test of the brakes";
@@ -161,13 +196,16 @@ const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp
 gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_identity *identity,
                                    const gravcomp_settings *settings)
 {
+    if (settings->axes != identity->axes) {
+        return GRAVCOMP_WRONG_AXES;
+    }
     if (settings->clock_hz != identity->clock_hz) {
         return GRAVCOMP_WRONG_CLOCK;
     }
     if (is_too_fast(identity, settings)) {
         return GRAVCOMP_TOO_FAST;
     }
-    if (is_bad_period(settings)) {
+    if (is_bad_period(identity, settings)) {
         return GRAVCOMP_BAD_PERIOD;
     }
     if (gravcomp_complaint(identity, settings) != NULL) {
@@ -175,10 +213,6 @@ gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_ident
     }
     write_word(bus, OFFSET(expected_weights), settings->expected_weights);
     write_word(bus, OFFSET(tick_clocks), clocks(identity, settings->tick_us));
-    write_word(bus, OFFSET(current_limit_ua), settings->current_limit_ua);
-    write_word(bus, OFFSET(current_slew_ua), settings->current_slew_ua);
-    write_word(bus, OFFSET(period_min_clocks), period_min(identity, settings->speed_max_counts_per_s));
-    write_word(bus, OFFSET(command_bound_ua), settings->command_bound_ua);
     write_word(bus, OFFSET(saturation_clocks), clocks(identity, settings->saturation_us));
     write_word(bus, OFFSET(watchdog_clocks), clocks(identity, settings->watchdog_us));
     write_word(bus, OFFSET(result_clocks), clocks(identity, settings->result_us));
@@ -186,14 +220,18 @@ gravcomp_result gravcomp_configure(const gravcomp_bus *bus, const gravcomp_ident
     write_word(bus, OFFSET(command_clocks), clocks(identity, settings->command_us));
     write_word(bus, OFFSET(hold_clocks), clocks(identity, settings->hold_us));
     write_word(bus, OFFSET(brake_test_clocks), clocks(identity, settings->brake_test_us));
-    for (uint32_t i = 0; i < GRAVCOMP_AXES; i++) {
-        uint32_t low = (uint32_t)identity->trained_low[i] - settings->margin_counts;
-        uint32_t high = (uint32_t)identity->trained_high[i] + settings->margin_counts;
+    for (uint32_t i = 0; i < identity->axes; i++) {
+        uint32_t low = (uint32_t)identity->trained_low[i] - settings->margin_counts[i];
+        uint32_t high = (uint32_t)identity->trained_high[i] + settings->margin_counts[i];
 
         write_word(bus, OFFSET(index_position) + 4 * i, (uint32_t)settings->index_position[i]);
         write_word(bus, OFFSET(index_period) + 4 * i, settings->index_period[i]);
         write_word(bus, OFFSET(window_low) + 4 * i, low);
         write_word(bus, OFFSET(window_high) + 4 * i, high);
+        write_word(bus, OFFSET(current_limit_ua) + 4 * i, settings->current_limit_ua[i]);
+        write_word(bus, OFFSET(current_slew_ua) + 4 * i, settings->current_slew_ua[i]);
+        write_word(bus, OFFSET(command_bound_ua) + 4 * i, settings->command_bound_ua[i]);
+        write_word(bus, OFFSET(period_min_clocks) + 4 * i, period_min(identity, settings->speed_max_counts_per_s[i]));
     }
     return GRAVCOMP_OK;
 }
@@ -302,44 +340,45 @@ void gravcomp_clear_encoders(const gravcomp_bus *bus)
     write_word(bus, OFFSET(command), GC_REGISTERS__COMMAND__CLEAR_ENCODER_bm);
 }
 
-static void unpack_flags(uint32_t status, uint32_t flags, gravcomp_state *state)
+static void read_flags(const gravcomp_bus *bus, gravcomp_state *state)
 {
+    uint32_t status = read_word(bus, OFFSET(status));
+    uint32_t result = read_word(bus, OFFSET(result_flags));
+    uint32_t command = read_word(bus, OFFSET(command_flags));
+    uint32_t encoder = read_word(bus, OFFSET(encoder_flags));
+    uint32_t speed = read_word(bus, OFFSET(speed_flags));
+
     state->brakes = (uint8_t)FIELD(status, STATUS__STATE);
-    state->released = (uint8_t)FIELD(status, STATUS__RELEASED);
+    state->released = AXES(status, STATUS__RELEASED);
     state->run = (uint8_t)FIELD(status, STATUS__RUN);
     state->busy = (uint8_t)FIELD(status, STATUS__BUSY);
-    state->clamped = AXES(flags, CLAMPED);
-    state->saturated = AXES(flags, SATURATED);
-    state->limited = AXES(flags, LIMITED);
-    state->reached = AXES(flags, REACHED);
-    state->referenced = AXES(flags, REFERENCED);
-    state->illegal = AXES(flags, ILLEGAL);
-    state->glitch = AXES(flags, GLITCH);
-    state->speed_valid = AXES(flags, SPEED_VALID);
-    state->speed_zero = AXES(flags, SPEED_ZERO);
-    state->deviates = AXES(flags, DEVIATES);
+    state->clamped = AXES(result, RESULT_FLAGS__CLAMPED);
+    state->saturated = AXES(result, RESULT_FLAGS__SATURATED);
+    state->limited = AXES(command, COMMAND_FLAGS__LIMITED);
+    state->reached = AXES(command, COMMAND_FLAGS__REACHED);
+    state->deviates = AXES(command, COMMAND_FLAGS__DEVIATES);
+    state->referenced = AXES(encoder, ENCODER_FLAGS__REFERENCED);
+    state->illegal = AXES(encoder, ENCODER_FLAGS__ILLEGAL);
+    state->glitch = AXES(encoder, ENCODER_FLAGS__GLITCH);
+    state->speed_valid = AXES(speed, SPEED_FLAGS__SPEED_VALID);
+    state->speed_zero = AXES(speed, SPEED_FLAGS__SPEED_ZERO);
 }
 
-void gravcomp_read(const gravcomp_bus *bus, gravcomp_state *state)
+void gravcomp_read(const gravcomp_bus *bus, const gravcomp_identity *identity, gravcomp_state *state)
 {
-    uint32_t status = 0;
-    uint32_t flags = 0;
-
     state->result_number = read_word(bus, OFFSET(result_number)); /* freezes the rest */
     state->missed_ticks = read_word(bus, OFFSET(missed_ticks));
-    status = read_word(bus, OFFSET(status));
-    flags = read_word(bus, OFFSET(axis_flags));
-    unpack_flags(status, flags, state);
-    read_axes(bus, OFFSET(position), state->position);
-    read_axes(bus, OFFSET(speed_period), state->speed_period);
-    read_axes(bus, OFFSET(force_mn), state->force_mn);
-    read_axes(bus, OFFSET(current_ua), state->current_ua);
-    read_axes(bus, OFFSET(command_ua), state->command_ua);
-    read_axes(bus, OFFSET(position_now), state->position_now);
+    read_flags(bus, state);
     state->cause = read_word(bus, OFFSET(cause));
     state->fault = read_word(bus, OFFSET(fault));
     state->first_cause = read_word(bus, OFFSET(first_cause));
-    read_axes(bus, OFFSET(first_position), state->first_position);
+    read_axes(bus, identity, OFFSET(position), state->position);
+    read_axes(bus, identity, OFFSET(speed_period), state->speed_period);
+    read_axes(bus, identity, OFFSET(force_mn), state->force_mn);
+    read_axes(bus, identity, OFFSET(current_ua), state->current_ua);
+    read_axes(bus, identity, OFFSET(command_ua), state->command_ua);
+    read_axes(bus, identity, OFFSET(position_now), state->position_now);
+    read_axes(bus, identity, OFFSET(first_position), state->first_position);
 }
 
 uint32_t gravcomp_crc32(const uint8_t *image, uint32_t n_words)

@@ -5,7 +5,7 @@
 #ifndef GRAVCOMP_FACTS_H
 #define GRAVCOMP_FACTS_H
 
-#define GRAVCOMP_AXES 3
+#define GRAVCOMP_MAX_AXES 8
 
 /* States of the brakes. */
 typedef enum {

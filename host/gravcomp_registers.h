@@ -23,7 +23,7 @@ extern "C" {
 #define GC_REGISTERS__VERSION__MINOR_bm 0xff00
 #define GC_REGISTERS__VERSION__MINOR_bp 8
 #define GC_REGISTERS__VERSION__MINOR_bw 8
-#define GC_REGISTERS__VERSION__MINOR_reset 0x2
+#define GC_REGISTERS__VERSION__MINOR_reset 0x3
 #define GC_REGISTERS__VERSION__MAJOR_bm 0xff0000
 #define GC_REGISTERS__VERSION__MAJOR_bp 16
 #define GC_REGISTERS__VERSION__MAJOR_bw 8
@@ -58,6 +58,11 @@ extern "C" {
 #define GC_REGISTERS__COMPENSATION_HASHX__VALUE_bp 0
 #define GC_REGISTERS__COMPENSATION_HASHX__VALUE_bw 32
 
+// reg - gc_registers.encoder_geometry
+#define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bm 0xffff
+#define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bp 0
+#define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bw 16
+
 // reg - gc_registers.trained_low[]
 #define GC_REGISTERS__TRAINED_LOWX__VALUE_bm 0xffffffff
 #define GC_REGISTERS__TRAINED_LOWX__VALUE_bp 0
@@ -68,11 +73,6 @@ extern "C" {
 #define GC_REGISTERS__TRAINED_HIGHX__VALUE_bp 0
 #define GC_REGISTERS__TRAINED_HIGHX__VALUE_bw 32
 
-// reg - gc_registers.encoder_geometry
-#define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bm 0xffff
-#define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bp 0
-#define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bw 16
-
 // reg - gc_registers.control
 #define GC_REGISTERS__CONTROL__ENABLE_bm 0x1
 #define GC_REGISTERS__CONTROL__ENABLE_bp 0
@@ -82,9 +82,9 @@ extern "C" {
 #define GC_REGISTERS__CONTROL__TICK_ENABLE_bp 1
 #define GC_REGISTERS__CONTROL__TICK_ENABLE_bw 1
 #define GC_REGISTERS__CONTROL__TICK_ENABLE_reset 0x0
-#define GC_REGISTERS__CONTROL__HOME_ENABLE_bm 0x70
+#define GC_REGISTERS__CONTROL__HOME_ENABLE_bm 0xff0
 #define GC_REGISTERS__CONTROL__HOME_ENABLE_bp 4
-#define GC_REGISTERS__CONTROL__HOME_ENABLE_bw 3
+#define GC_REGISTERS__CONTROL__HOME_ENABLE_bw 8
 #define GC_REGISTERS__CONTROL__HOME_ENABLE_reset 0x0
 
 // reg - gc_registers.command
@@ -113,30 +113,6 @@ extern "C" {
 #define GC_REGISTERS__EXPECTED_WEIGHTS__VALUE_bw 32
 #define GC_REGISTERS__EXPECTED_WEIGHTS__VALUE_reset 0x0
 
-// reg - gc_registers.index_position[]
-#define GC_REGISTERS__INDEX_POSITIONX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__INDEX_POSITIONX__VALUE_bp 0
-#define GC_REGISTERS__INDEX_POSITIONX__VALUE_bw 32
-#define GC_REGISTERS__INDEX_POSITIONX__VALUE_reset 0x0
-
-// reg - gc_registers.current_limit_ua
-#define GC_REGISTERS__CURRENT_LIMIT_UA__VALUE_bm 0x7fffffff
-#define GC_REGISTERS__CURRENT_LIMIT_UA__VALUE_bp 0
-#define GC_REGISTERS__CURRENT_LIMIT_UA__VALUE_bw 31
-#define GC_REGISTERS__CURRENT_LIMIT_UA__VALUE_reset 0x0
-
-// reg - gc_registers.current_slew_ua
-#define GC_REGISTERS__CURRENT_SLEW_UA__VALUE_bm 0x7fffffff
-#define GC_REGISTERS__CURRENT_SLEW_UA__VALUE_bp 0
-#define GC_REGISTERS__CURRENT_SLEW_UA__VALUE_bw 31
-#define GC_REGISTERS__CURRENT_SLEW_UA__VALUE_reset 0x0
-
-// reg - gc_registers.period_min_clocks
-#define GC_REGISTERS__PERIOD_MIN_CLOCKS__VALUE_bm 0x7fffffff
-#define GC_REGISTERS__PERIOD_MIN_CLOCKS__VALUE_bp 0
-#define GC_REGISTERS__PERIOD_MIN_CLOCKS__VALUE_bw 31
-#define GC_REGISTERS__PERIOD_MIN_CLOCKS__VALUE_reset 0x0
-
 // reg - gc_registers.saturation_clocks
 #define GC_REGISTERS__SATURATION_CLOCKS__VALUE_bm 0xffffffff
 #define GC_REGISTERS__SATURATION_CLOCKS__VALUE_bp 0
@@ -161,24 +137,6 @@ extern "C" {
 #define GC_REGISTERS__BRAKE_CLOCKS__VALUE_bw 32
 #define GC_REGISTERS__BRAKE_CLOCKS__VALUE_reset 0x0
 
-// reg - gc_registers.window_low[]
-#define GC_REGISTERS__WINDOW_LOWX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__WINDOW_LOWX__VALUE_bp 0
-#define GC_REGISTERS__WINDOW_LOWX__VALUE_bw 32
-#define GC_REGISTERS__WINDOW_LOWX__VALUE_reset 0x0
-
-// reg - gc_registers.window_high[]
-#define GC_REGISTERS__WINDOW_HIGHX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__WINDOW_HIGHX__VALUE_bp 0
-#define GC_REGISTERS__WINDOW_HIGHX__VALUE_bw 32
-#define GC_REGISTERS__WINDOW_HIGHX__VALUE_reset 0x0
-
-// reg - gc_registers.command_bound_ua
-#define GC_REGISTERS__COMMAND_BOUND_UA__VALUE_bm 0x7fffffff
-#define GC_REGISTERS__COMMAND_BOUND_UA__VALUE_bp 0
-#define GC_REGISTERS__COMMAND_BOUND_UA__VALUE_bw 31
-#define GC_REGISTERS__COMMAND_BOUND_UA__VALUE_reset 0x0
-
 // reg - gc_registers.command_clocks
 #define GC_REGISTERS__COMMAND_CLOCKS__VALUE_bm 0xffffffff
 #define GC_REGISTERS__COMMAND_CLOCKS__VALUE_bp 0
@@ -197,11 +155,53 @@ extern "C" {
 #define GC_REGISTERS__BRAKE_TEST_CLOCKS__VALUE_bw 32
 #define GC_REGISTERS__BRAKE_TEST_CLOCKS__VALUE_reset 0x0
 
+// reg - gc_registers.index_position[]
+#define GC_REGISTERS__INDEX_POSITIONX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__INDEX_POSITIONX__VALUE_bp 0
+#define GC_REGISTERS__INDEX_POSITIONX__VALUE_bw 32
+#define GC_REGISTERS__INDEX_POSITIONX__VALUE_reset 0x0
+
 // reg - gc_registers.index_period[]
 #define GC_REGISTERS__INDEX_PERIODX__VALUE_bm 0xffffffff
 #define GC_REGISTERS__INDEX_PERIODX__VALUE_bp 0
 #define GC_REGISTERS__INDEX_PERIODX__VALUE_bw 32
 #define GC_REGISTERS__INDEX_PERIODX__VALUE_reset 0x0
+
+// reg - gc_registers.window_low[]
+#define GC_REGISTERS__WINDOW_LOWX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__WINDOW_LOWX__VALUE_bp 0
+#define GC_REGISTERS__WINDOW_LOWX__VALUE_bw 32
+#define GC_REGISTERS__WINDOW_LOWX__VALUE_reset 0x0
+
+// reg - gc_registers.window_high[]
+#define GC_REGISTERS__WINDOW_HIGHX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__WINDOW_HIGHX__VALUE_bp 0
+#define GC_REGISTERS__WINDOW_HIGHX__VALUE_bw 32
+#define GC_REGISTERS__WINDOW_HIGHX__VALUE_reset 0x0
+
+// reg - gc_registers.current_limit_ua[]
+#define GC_REGISTERS__CURRENT_LIMIT_UAX__VALUE_bm 0x7fffffff
+#define GC_REGISTERS__CURRENT_LIMIT_UAX__VALUE_bp 0
+#define GC_REGISTERS__CURRENT_LIMIT_UAX__VALUE_bw 31
+#define GC_REGISTERS__CURRENT_LIMIT_UAX__VALUE_reset 0x0
+
+// reg - gc_registers.current_slew_ua[]
+#define GC_REGISTERS__CURRENT_SLEW_UAX__VALUE_bm 0x7fffffff
+#define GC_REGISTERS__CURRENT_SLEW_UAX__VALUE_bp 0
+#define GC_REGISTERS__CURRENT_SLEW_UAX__VALUE_bw 31
+#define GC_REGISTERS__CURRENT_SLEW_UAX__VALUE_reset 0x0
+
+// reg - gc_registers.command_bound_ua[]
+#define GC_REGISTERS__COMMAND_BOUND_UAX__VALUE_bm 0x7fffffff
+#define GC_REGISTERS__COMMAND_BOUND_UAX__VALUE_bp 0
+#define GC_REGISTERS__COMMAND_BOUND_UAX__VALUE_bw 31
+#define GC_REGISTERS__COMMAND_BOUND_UAX__VALUE_reset 0x0
+
+// reg - gc_registers.period_min_clocks[]
+#define GC_REGISTERS__PERIOD_MIN_CLOCKSX__VALUE_bm 0x7fffffff
+#define GC_REGISTERS__PERIOD_MIN_CLOCKSX__VALUE_bp 0
+#define GC_REGISTERS__PERIOD_MIN_CLOCKSX__VALUE_bw 31
+#define GC_REGISTERS__PERIOD_MIN_CLOCKSX__VALUE_reset 0x0
 
 // reg - gc_registers.result_number
 #define GC_REGISTERS__RESULT_NUMBER__VALUE_bm 0xffffffff
@@ -217,77 +217,53 @@ extern "C" {
 #define GC_REGISTERS__STATUS__STATE_bm 0x7
 #define GC_REGISTERS__STATUS__STATE_bp 0
 #define GC_REGISTERS__STATUS__STATE_bw 3
-#define GC_REGISTERS__STATUS__RELEASED_bm 0x70
-#define GC_REGISTERS__STATUS__RELEASED_bp 4
-#define GC_REGISTERS__STATUS__RELEASED_bw 3
 #define GC_REGISTERS__STATUS__RUN_bm 0x100
 #define GC_REGISTERS__STATUS__RUN_bp 8
 #define GC_REGISTERS__STATUS__RUN_bw 1
 #define GC_REGISTERS__STATUS__BUSY_bm 0x200
 #define GC_REGISTERS__STATUS__BUSY_bp 9
 #define GC_REGISTERS__STATUS__BUSY_bw 1
+#define GC_REGISTERS__STATUS__RELEASED_bm 0xff0000
+#define GC_REGISTERS__STATUS__RELEASED_bp 16
+#define GC_REGISTERS__STATUS__RELEASED_bw 8
 
-// reg - gc_registers.axis_flags
-#define GC_REGISTERS__AXIS_FLAGS__CLAMPED_bm 0x7
-#define GC_REGISTERS__AXIS_FLAGS__CLAMPED_bp 0
-#define GC_REGISTERS__AXIS_FLAGS__CLAMPED_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__SATURATED_bm 0x38
-#define GC_REGISTERS__AXIS_FLAGS__SATURATED_bp 3
-#define GC_REGISTERS__AXIS_FLAGS__SATURATED_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__LIMITED_bm 0x1c0
-#define GC_REGISTERS__AXIS_FLAGS__LIMITED_bp 6
-#define GC_REGISTERS__AXIS_FLAGS__LIMITED_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__REACHED_bm 0xe00
-#define GC_REGISTERS__AXIS_FLAGS__REACHED_bp 9
-#define GC_REGISTERS__AXIS_FLAGS__REACHED_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__REFERENCED_bm 0x7000
-#define GC_REGISTERS__AXIS_FLAGS__REFERENCED_bp 12
-#define GC_REGISTERS__AXIS_FLAGS__REFERENCED_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__ILLEGAL_bm 0x38000
-#define GC_REGISTERS__AXIS_FLAGS__ILLEGAL_bp 15
-#define GC_REGISTERS__AXIS_FLAGS__ILLEGAL_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__GLITCH_bm 0x1c0000
-#define GC_REGISTERS__AXIS_FLAGS__GLITCH_bp 18
-#define GC_REGISTERS__AXIS_FLAGS__GLITCH_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__SPEED_VALID_bm 0xe00000
-#define GC_REGISTERS__AXIS_FLAGS__SPEED_VALID_bp 21
-#define GC_REGISTERS__AXIS_FLAGS__SPEED_VALID_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__SPEED_ZERO_bm 0x7000000
-#define GC_REGISTERS__AXIS_FLAGS__SPEED_ZERO_bp 24
-#define GC_REGISTERS__AXIS_FLAGS__SPEED_ZERO_bw 3
-#define GC_REGISTERS__AXIS_FLAGS__DEVIATES_bm 0x38000000
-#define GC_REGISTERS__AXIS_FLAGS__DEVIATES_bp 27
-#define GC_REGISTERS__AXIS_FLAGS__DEVIATES_bw 3
+// reg - gc_registers.result_flags
+#define GC_REGISTERS__RESULT_FLAGS__CLAMPED_bm 0xff
+#define GC_REGISTERS__RESULT_FLAGS__CLAMPED_bp 0
+#define GC_REGISTERS__RESULT_FLAGS__CLAMPED_bw 8
+#define GC_REGISTERS__RESULT_FLAGS__SATURATED_bm 0xff00
+#define GC_REGISTERS__RESULT_FLAGS__SATURATED_bp 8
+#define GC_REGISTERS__RESULT_FLAGS__SATURATED_bw 8
 
-// reg - gc_registers.position[]
-#define GC_REGISTERS__POSITIONX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__POSITIONX__VALUE_bp 0
-#define GC_REGISTERS__POSITIONX__VALUE_bw 32
+// reg - gc_registers.command_flags
+#define GC_REGISTERS__COMMAND_FLAGS__LIMITED_bm 0xff
+#define GC_REGISTERS__COMMAND_FLAGS__LIMITED_bp 0
+#define GC_REGISTERS__COMMAND_FLAGS__LIMITED_bw 8
+#define GC_REGISTERS__COMMAND_FLAGS__REACHED_bm 0xff00
+#define GC_REGISTERS__COMMAND_FLAGS__REACHED_bp 8
+#define GC_REGISTERS__COMMAND_FLAGS__REACHED_bw 8
+#define GC_REGISTERS__COMMAND_FLAGS__DEVIATES_bm 0xff0000
+#define GC_REGISTERS__COMMAND_FLAGS__DEVIATES_bp 16
+#define GC_REGISTERS__COMMAND_FLAGS__DEVIATES_bw 8
 
-// reg - gc_registers.speed_period[]
-#define GC_REGISTERS__SPEED_PERIODX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__SPEED_PERIODX__VALUE_bp 0
-#define GC_REGISTERS__SPEED_PERIODX__VALUE_bw 32
+// reg - gc_registers.encoder_flags
+#define GC_REGISTERS__ENCODER_FLAGS__REFERENCED_bm 0xff
+#define GC_REGISTERS__ENCODER_FLAGS__REFERENCED_bp 0
+#define GC_REGISTERS__ENCODER_FLAGS__REFERENCED_bw 8
+#define GC_REGISTERS__ENCODER_FLAGS__ILLEGAL_bm 0xff00
+#define GC_REGISTERS__ENCODER_FLAGS__ILLEGAL_bp 8
+#define GC_REGISTERS__ENCODER_FLAGS__ILLEGAL_bw 8
+#define GC_REGISTERS__ENCODER_FLAGS__GLITCH_bm 0xff0000
+#define GC_REGISTERS__ENCODER_FLAGS__GLITCH_bp 16
+#define GC_REGISTERS__ENCODER_FLAGS__GLITCH_bw 8
 
-// reg - gc_registers.force_mn[]
-#define GC_REGISTERS__FORCE_MNX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__FORCE_MNX__VALUE_bp 0
-#define GC_REGISTERS__FORCE_MNX__VALUE_bw 32
-
-// reg - gc_registers.current_ua[]
-#define GC_REGISTERS__CURRENT_UAX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__CURRENT_UAX__VALUE_bp 0
-#define GC_REGISTERS__CURRENT_UAX__VALUE_bw 32
-
-// reg - gc_registers.command_ua[]
-#define GC_REGISTERS__COMMAND_UAX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__COMMAND_UAX__VALUE_bp 0
-#define GC_REGISTERS__COMMAND_UAX__VALUE_bw 32
-
-// reg - gc_registers.position_now[]
-#define GC_REGISTERS__POSITION_NOWX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__POSITION_NOWX__VALUE_bp 0
-#define GC_REGISTERS__POSITION_NOWX__VALUE_bw 32
+// reg - gc_registers.speed_flags
+#define GC_REGISTERS__SPEED_FLAGS__SPEED_VALID_bm 0xff
+#define GC_REGISTERS__SPEED_FLAGS__SPEED_VALID_bp 0
+#define GC_REGISTERS__SPEED_FLAGS__SPEED_VALID_bw 8
+#define GC_REGISTERS__SPEED_FLAGS__SPEED_ZERO_bm 0xff00
+#define GC_REGISTERS__SPEED_FLAGS__SPEED_ZERO_bp 8
+#define GC_REGISTERS__SPEED_FLAGS__SPEED_ZERO_bw 8
 
 // reg - gc_registers.cause
 #define GC_REGISTERS__CAUSE__VALUE_bm 0xffff
@@ -353,11 +329,6 @@ extern "C" {
 #define GC_REGISTERS__FIRST_CAUSE__VALUE_bp 0
 #define GC_REGISTERS__FIRST_CAUSE__VALUE_bw 16
 
-// reg - gc_registers.first_position[]
-#define GC_REGISTERS__FIRST_POSITIONX__VALUE_bm 0xffffffff
-#define GC_REGISTERS__FIRST_POSITIONX__VALUE_bp 0
-#define GC_REGISTERS__FIRST_POSITIONX__VALUE_bw 32
-
 // reg - gc_registers.control_now
 #define GC_REGISTERS__CONTROL_NOW__ENABLE_bm 0x1
 #define GC_REGISTERS__CONTROL_NOW__ENABLE_bp 0
@@ -365,9 +336,44 @@ extern "C" {
 #define GC_REGISTERS__CONTROL_NOW__TICK_ENABLE_bm 0x2
 #define GC_REGISTERS__CONTROL_NOW__TICK_ENABLE_bp 1
 #define GC_REGISTERS__CONTROL_NOW__TICK_ENABLE_bw 1
-#define GC_REGISTERS__CONTROL_NOW__HOME_ENABLE_bm 0x70
+#define GC_REGISTERS__CONTROL_NOW__HOME_ENABLE_bm 0xff0
 #define GC_REGISTERS__CONTROL_NOW__HOME_ENABLE_bp 4
-#define GC_REGISTERS__CONTROL_NOW__HOME_ENABLE_bw 3
+#define GC_REGISTERS__CONTROL_NOW__HOME_ENABLE_bw 8
+
+// reg - gc_registers.position[]
+#define GC_REGISTERS__POSITIONX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__POSITIONX__VALUE_bp 0
+#define GC_REGISTERS__POSITIONX__VALUE_bw 32
+
+// reg - gc_registers.speed_period[]
+#define GC_REGISTERS__SPEED_PERIODX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__SPEED_PERIODX__VALUE_bp 0
+#define GC_REGISTERS__SPEED_PERIODX__VALUE_bw 32
+
+// reg - gc_registers.force_mn[]
+#define GC_REGISTERS__FORCE_MNX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__FORCE_MNX__VALUE_bp 0
+#define GC_REGISTERS__FORCE_MNX__VALUE_bw 32
+
+// reg - gc_registers.current_ua[]
+#define GC_REGISTERS__CURRENT_UAX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__CURRENT_UAX__VALUE_bp 0
+#define GC_REGISTERS__CURRENT_UAX__VALUE_bw 32
+
+// reg - gc_registers.command_ua[]
+#define GC_REGISTERS__COMMAND_UAX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__COMMAND_UAX__VALUE_bp 0
+#define GC_REGISTERS__COMMAND_UAX__VALUE_bw 32
+
+// reg - gc_registers.position_now[]
+#define GC_REGISTERS__POSITION_NOWX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__POSITION_NOWX__VALUE_bp 0
+#define GC_REGISTERS__POSITION_NOWX__VALUE_bw 32
+
+// reg - gc_registers.first_position[]
+#define GC_REGISTERS__FIRST_POSITIONX__VALUE_bm 0xffffffff
+#define GC_REGISTERS__FIRST_POSITIONX__VALUE_bp 0
+#define GC_REGISTERS__FIRST_POSITIONX__VALUE_bw 32
 
 // reg - gc_registers.interrupt_enable
 #define GC_REGISTERS__INTERRUPT_ENABLE__RESULT_bm 0x1
@@ -463,9 +469,9 @@ extern "C" {
 #define GC_REGISTERS__GUARDS__CORE_CLOCK_bm 0x1
 #define GC_REGISTERS__GUARDS__CORE_CLOCK_bp 0
 #define GC_REGISTERS__GUARDS__CORE_CLOCK_bw 1
-#define GC_REGISTERS__GUARDS__FEEDBACK_bm 0x70
+#define GC_REGISTERS__GUARDS__FEEDBACK_bm 0xff0
 #define GC_REGISTERS__GUARDS__FEEDBACK_bp 4
-#define GC_REGISTERS__GUARDS__FEEDBACK_bw 3
+#define GC_REGISTERS__GUARDS__FEEDBACK_bw 8
 
 // addrmap - gc_registers
 typedef struct __attribute__ ((__packed__)) {
@@ -475,71 +481,63 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t clock_hz;
     uint32_t weights_hash[8];
     uint32_t compensation_hash[8];
-    uint32_t trained_low[3];
-    uint8_t RESERVED_5c_5f[0x4];
-    uint32_t trained_high[3];
-    uint8_t RESERVED_6c_6f[0x4];
     uint32_t encoder_geometry;
-    uint8_t RESERVED_74_7f[0xc];
+    uint8_t RESERVED_54_5f[0xc];
+    uint32_t trained_low[8];
+    uint32_t trained_high[8];
+    uint8_t RESERVED_a0_1ff[0x160];
     uint32_t control;
     uint32_t command;
     uint32_t tick_clocks;
     uint32_t expected_weights;
-    uint32_t index_position[3];
-    uint8_t RESERVED_9c_9f[0x4];
-    uint32_t current_limit_ua;
-    uint32_t current_slew_ua;
-    uint32_t period_min_clocks;
     uint32_t saturation_clocks;
     uint32_t watchdog_clocks;
     uint32_t result_clocks;
     uint32_t brake_clocks;
-    uint8_t RESERVED_bc_bf[0x4];
-    uint32_t window_low[3];
-    uint8_t RESERVED_cc_cf[0x4];
-    uint32_t window_high[3];
-    uint8_t RESERVED_dc_df[0x4];
-    uint32_t command_bound_ua;
     uint32_t command_clocks;
     uint32_t hold_clocks;
     uint32_t brake_test_clocks;
-    uint32_t index_period[3];
-    uint8_t RESERVED_fc_ff[0x4];
+    uint8_t RESERVED_22c_23f[0x14];
+    uint32_t index_position[8];
+    uint32_t index_period[8];
+    uint32_t window_low[8];
+    uint32_t window_high[8];
+    uint32_t current_limit_ua[8];
+    uint32_t current_slew_ua[8];
+    uint32_t command_bound_ua[8];
+    uint32_t period_min_clocks[8];
+    uint8_t RESERVED_340_3ff[0xc0];
     uint32_t result_number;
     uint32_t missed_ticks;
     uint32_t status;
-    uint32_t axis_flags;
-    uint32_t position[3];
-    uint8_t RESERVED_11c_11f[0x4];
-    uint32_t speed_period[3];
-    uint8_t RESERVED_12c_12f[0x4];
-    uint32_t force_mn[3];
-    uint8_t RESERVED_13c_13f[0x4];
-    uint32_t current_ua[3];
-    uint8_t RESERVED_14c_14f[0x4];
-    uint32_t command_ua[3];
-    uint8_t RESERVED_15c_15f[0x4];
-    uint32_t position_now[3];
-    uint8_t RESERVED_16c_16f[0x4];
+    uint32_t result_flags;
+    uint32_t command_flags;
+    uint32_t encoder_flags;
+    uint32_t speed_flags;
     uint32_t cause;
     uint32_t fault;
     uint32_t first_cause;
-    uint8_t RESERVED_17c_17f[0x4];
-    uint32_t first_position[3];
-    uint8_t RESERVED_18c_18f[0x4];
     uint32_t control_now;
-    uint8_t RESERVED_194_19f[0xc];
+    uint8_t RESERVED_42c_43f[0x14];
+    uint32_t position[8];
+    uint32_t speed_period[8];
+    uint32_t force_mn[8];
+    uint32_t current_ua[8];
+    uint32_t command_ua[8];
+    uint32_t position_now[8];
+    uint32_t first_position[8];
+    uint8_t RESERVED_520_5ff[0xe0];
     uint32_t interrupt_enable;
     uint32_t interrupt_status;
-    uint8_t RESERVED_1a8_1af[0x8];
+    uint8_t RESERVED_608_60f[0x8];
     uint32_t load_unlock;
     uint32_t load_status;
     uint32_t bank_crc;
-    uint8_t RESERVED_1bc_1bf[0x4];
+    uint8_t RESERVED_61c_61f[0x4];
     uint32_t load_command;
     uint32_t load_crc;
     uint32_t load_word;
-    uint8_t RESERVED_1cc_1cf[0x4];
+    uint8_t RESERVED_62c_63f[0x14];
     uint32_t guards;
 } gc_registers_t;
 

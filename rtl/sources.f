@@ -64,8 +64,8 @@ system/gc_force_path.vhd
 serial/gc_uart.vhd
 serial/gc_modbus.vhd
 registers/reg_utils.vhd
-registers/gc_registers_pkg.vhd
-registers/gc_registers.vhd
+generated/gc_registers_pkg.vhd
+generated/gc_registers.vhd
 system/gc_system_pkg.vhd
 system/gc_bus_side.vhd
 system/gc_core_side.vhd

@@ -6,7 +6,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from codes import ROOT
-from gravcomp.driver.host import AXES, Bus, Identity, Result, Settings, State
+from gravcomp.driver.host import MAX_AXES, Bus, Identity, Result, Settings, State
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 SOURCES = ("gravcomp.c", "example.c")
@@ -31,35 +31,40 @@ def _struct(name: str, twin: type, arrays: dict, types: dict, default: type) -> 
     return type(name, (ctypes.Structure,), {"_fields_": members})
 
 
+def _per_axis(twin: type) -> dict[str, int]:
+    return {field.name: MAX_AXES for field in fields(twin) if field.type == tuple[int, ...]}
+
+
 _U8, _U32, _I32 = ctypes.c_uint8, ctypes.c_uint32, ctypes.c_int32
-_AXES = {field.name: AXES for field in fields(State) if field.type == tuple[int, ...]}
+_AXES = _per_axis(State)
 _WORDS = ("result_number", "missed_ticks", "cause", "fault", "first_cause")
 CState = _struct("CState", State, _AXES, dict.fromkeys(_AXES, _I32) | dict.fromkeys(_WORDS, _U32), _U8)
-CSettings = _struct(
-    "CSettings", Settings, {"index_position": AXES, "index_period": AXES}, {"index_position": _I32}, _U32
-)
+CSettings = _struct("CSettings", Settings, _per_axis(Settings), {"index_position": _I32}, _U32)
 CIdentity = _struct(
     "CIdentity",
     Identity,
-    {"weights_hash": 8, "compensation_hash": 8, "trained_low": AXES, "trained_high": AXES},
-    {"hidden": _U8, "lanes": _U8, "trained_low": _I32, "trained_high": _I32},
+    _per_axis(Identity) | {"weights_hash": 8, "compensation_hash": 8},
+    {"axes": _U8, "hidden": _U8, "lanes": _U8, "trained_low": _I32, "trained_high": _I32},
     _U32,
 )
 
 
-def compile_host(folder: Path, *options: str) -> Path:
-    """Compile driver and example, every warning an error, to a shared library in folder."""
+def compile_host(folder: Path, *options: str, machine: Path = MACHINE) -> Path:
+    """Compile driver and example, with the header in machine, every warning an error, to a shared library in folder."""
     folder.mkdir(parents=True, exist_ok=True)
     library = folder / "libgravcomp.so"
     sources = [ROOT / "host" / name for name in SOURCES]
-    subprocess.run(["cc", *STRICT, f"-I{MACHINE}", *options, "-shared", "-fPIC", "-o", library, *sources], check=True)
+    subprocess.run(["cc", *STRICT, f"-I{machine}", *options, "-shared", "-fPIC", "-o", library, *sources], check=True)
     return library
 
 
-def _plain(struct: ctypes.Structure, twin: type):
-    """The dataclass with the values of its struct."""
+def _plain(struct: ctypes.Structure, twin: type, axes: int):
+    """The dataclass with the values of its struct, those of the axes that are there."""
     values = {name: getattr(struct, name) for name, *_ in struct._fields_}
-    return twin(**{name: tuple(v) if isinstance(v, ctypes.Array) else v for name, v in values.items()})
+    return twin(**{
+        name: tuple(value)[: None if name.endswith("_hash") else axes] if isinstance(value, ctypes.Array) else value
+        for name, value in values.items()
+    })  # fmt: skip
 
 
 def _filled(struct: type, values: Identity | Settings) -> ctypes.Structure:
@@ -77,11 +82,11 @@ class CHost:
         # Kept: ctypes forgets callbacks that nothing refers to.
         self._callbacks = READ(lambda _, offset: bus.read(offset)), WRITE(lambda _, o, word: bus.write(o, word))
         self._bus = CBus(*self._callbacks, None)
+        self._identity = CIdentity()  # of the last open
 
     def open(self) -> tuple[Result, Identity | None]:
-        identity = CIdentity()
-        result = self._call("open", ctypes.byref(identity))
-        return result, _plain(identity, Identity) if result == Result.OK else None
+        result = self._call("open", ctypes.byref(self._identity))
+        return result, _plain(self._identity, Identity, self._identity.axes) if result == Result.OK else None
 
     def complaint(self, identity: Identity, settings: Settings) -> str | None:
         function = self._c.gravcomp_complaint
@@ -131,8 +136,8 @@ class CHost:
 
     def read(self) -> State:
         state = CState()
-        self._c.gravcomp_read(ctypes.byref(self._bus), ctypes.byref(state))
-        return _plain(state, State)
+        self._c.gravcomp_read(ctypes.byref(self._bus), ctypes.byref(self._identity), ctypes.byref(state))
+        return _plain(state, State, self._identity.axes)
 
     def crc32(self, image: bytes) -> int:
         function = self._c.gravcomp_crc32

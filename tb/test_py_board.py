@@ -48,7 +48,7 @@ def core(**changes) -> ModelCore:
         "weights_hash": [expected["expected_weights"], *range(7)],
         "geometry": 3 | 20 << 8 | 3 << 16 | 4 << 24,
         "encoder_geometry": 4,
-        "axis_flags": 7 << 12,
+        "encoder_flags": 7,
         "guards": 1,
         "position_now": [1000, 2**32 - 500, 0],
     }
@@ -90,7 +90,7 @@ def test_info_says_who_it_is_and_where_it_stands(capsys):
     with ModelBoard(core()) as board:
         assert command(board, "info", "--robot", str(SPHEIRO)) == 0
     text = capsys.readouterr().out
-    assert "20 neurons, 4 per clock, 40 MHz" in text
+    assert "3 axes, 20 neurons, 4 per clock, 40 MHz" in text
     assert f"{machine_settings(SPHEIRO)['expected_weights']:08x} in the ROM" in text
     axes = [row.split() for row in text.splitlines() if row.startswith("axis")]
     assert [(row[2], row[3]) for row in axes] == [("1", "mm"), ("-0.5", "mm"), ("0", "mm")]
@@ -152,13 +152,14 @@ def test_noise_that_was_overcome_is_counted(capsys):
 
 def test_refused_word_ends_a_run_and_those_before_it_stand():
     with ModelBoard(core()) as model, SerialBus(line(model)) as bus:
-        low = model.core.map["window_low"].address  # three words, then none
+        names = ("command_clocks", "hold_clocks", "brake_test_clocks")  # then there is none
+        low = model.core.map[names[0]].address
         with pytest.raises(Refused, match="the core refused the access") as refused:
             bus.write_run(low, [1, 2, 3, 4])
         assert refused.value.code == 4
-        assert [model.core.get("window_low", k) for k in range(3)] == [1, 2, 3]
+        assert [model.core.get(name) for name in names] == [1, 2, 3]
         bus.write(low, 7)
-        assert model.core.get("window_low") == 7
+        assert model.core.get(names[0]) == 7
         model.noise.lost_answers = 1.0
         with pytest.raises(InputError, match="no answer any more"):
             bus.read(low)
@@ -174,8 +175,22 @@ def test_hold_ends_braked(capsys, limits):
         assert board.core.get("current_limit_ua") == 4_000_000
 
 
+def test_limits_of_each_axis_are_one_number_or_one_each(limits):
+    limits.write_text(LIMITS.replace("current_limit_ua = 4000000", "current_limit_ua = [1, 2, 3]"))
+    settings = load_limits(limits, SPHEIRO)
+    assert settings.current_limit_ua == (1, 2, 3)
+    assert settings.current_slew_ua == (500_000,) * 3
+    assert settings.index_position == (2, 2, 2)
+
+
+def test_a_core_of_other_axes_is_refused(capsys):
+    with ModelBoard(core(geometry=6 | 20 << 8 | 6 << 16 | 4 << 24, encoder_flags=63, position_now=[0] * 6)) as board:
+        assert command(board, "info", "--robot", str(SPHEIRO)) == 2
+        assert "its axes are 6, those of" in one_line(capsys)
+
+
 def test_hold_is_refused_without_reference(capsys, limits):
-    with ModelBoard(core(axis_flags=5 << 12)) as board:
+    with ModelBoard(core(encoder_flags=5)) as board:
         assert command(board, "hold", "--robot", str(SPHEIRO), "--limits", str(limits)) == 2
         assert "axes 2 have not passed their index; start `home` first" in one_line(capsys)
         assert board.core.get("control") & 1 == 0
@@ -204,15 +219,15 @@ def test_watchdog_shorter_than_the_line_is_refused(limits, capsys):
     limits.write_text(LIMITS.replace("watchdog_us = 2000000", "watchdog_us = 2000"))
     with ModelBoard(core()) as board:
         assert command(board, "hold", "--robot", str(SPHEIRO), "--limits", str(limits)) == 2
-        assert "watchdog_us = 2000, but the 16 exchanges from kick to kick take" in one_line(capsys)
+        assert "watchdog_us = 2000, but the 10 exchanges from kick to kick take" in one_line(capsys)
 
 
 def test_home_tells_each_axis(limits, capsys):
-    with ModelBoard(core(axis_flags=0)) as model, Board(line(model)) as board:
+    with ModelBoard(core(encoder_flags=0)) as model, Board(line(model)) as board:
         states = board.home(load_limits(limits, SPHEIRO))
         assert next(states).referenced == 0
         assert model.core.get("control") >> 4 & 7 == 7
-        model.core.put("axis_flags", 7 << 12)
+        model.core.put("encoder_flags", 7)
         assert [state.referenced for state in states] == [7]
 
 
@@ -292,7 +307,9 @@ def test_arguments_out_of_range_are_refused(arguments, words, capsys):
         (("brake_us = 50", "brake_ms = 50"), "brake_ms: not a limit; those are"),
         (("brake_us = 50", "brake_us = -1"), "brake_us: need a whole number from 0 to 4294967295"),
         (("brake_us = 50", "brake_us = true"), "brake_us: need a whole number"),
-        (("[2, 2, 2]", "[2, 2]"), "index_position: need 3 counts in brackets"),
+        (("tick_us = 100", "tick_us = [100, 100, 100]"), "tick_us: need a whole number"),
+        (("current_slew_ua = 500000", "current_slew_ua = [1, 2]"), "current_slew_ua: need 3 whole numbers in brackets"),
+        (("[2, 2, 2]", "[2, 2]"), "index_position: need 3 whole numbers in brackets"),
         (("brake_us = 50", "brake_us ="), "cannot be read"),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 from c_host import CHost, compile_host
 from gravcomp.core.machine_header import MACHINE_HEADER_FILE
 from gravcomp.core.vhdl.network_package import write_rom
-from gravcomp.driver.host import Host, Result, machine_settings
+from gravcomp.driver.host import STATE_WORDS, Host, Result, machine_settings
 from gravcomp.driver.registers import read_registers
 from machines import MACHINE, SHIPPED, changed, machine_folder
 from test_rtl_host import SETTINGS
@@ -23,6 +23,7 @@ class Memory:
     def __init__(self):
         registers = read_registers()
         self.words = {registers[name].address: registers[name].reset for name in ("id", "version")}
+        self.words[registers["geometry"].address] = MACHINE.n_axes << registers["geometry"].fields["outputs"][0]
         self.words[registers["clock_hz"].address] = CLOCK_HZ
         self.words[registers["encoder_geometry"].address] = FILTER_SAMPLES
         self.period_min = registers["period_min_clocks"].address
@@ -47,13 +48,13 @@ def test_a_speed_that_cannot_be_measured_is_refused(driver, library):
     result, identity = host.open()
     assert (result, identity.filter_samples) == (Result.OK, FILTER_SAMPLES)
     for speed in (FASTEST + 1_000_000, 2**32 - 1):
-        settings = replace(SETTINGS, speed_max_counts_per_s=speed)
+        settings = replace(SETTINGS, speed_max_counts_per_s=(0, speed, 0))
         assert host.configure(identity, settings) == Result.TOO_FAST
     assert host.configure(identity, replace(SETTINGS, index_period=(0, 4000, 402))) == Result.BAD_PERIOD
     assert not bus.written
     for speed, clocks in ((FASTEST, 2 * FILTER_SAMPLES + 1), (1, 160_000_000), (0, 0)):
-        assert host.configure(identity, replace(SETTINGS, speed_max_counts_per_s=speed)) == Result.OK
-        assert bus.written[bus.period_min] == clocks
+        assert host.configure(identity, replace(SETTINGS, speed_max_counts_per_s=(0, speed, 0))) == Result.OK
+        assert [bus.written[bus.period_min + 4 * axis] for axis in range(3)] == [0, clocks, 0]
 
 
 @pytest.mark.parametrize("driver", ["C", "Python"])
@@ -75,7 +76,14 @@ def test_header_of_a_machine_tells_a_c_driver_what_its_folder_tells_a_python_one
     folder = machine_folder(tmp_path / "fast", text=changed(("clock_hz = 40e6", "clock_hz = 100e6")))
     write_rom(folder, tmp_path)
     header = (tmp_path / MACHINE_HEADER_FILE).read_text()
-    defined = dict(re.findall(r"#define GRAVCOMP_MACHINE_(\w+) (\w+)u", header))
+    defined = dict(re.findall(r"#define GRAVCOMP_MACHINE_(\w+) (\w+?)u?\b", header))
     told = machine_settings(folder)
+    assert int(defined["AXES"]) == told["axes"] == 3
     assert int(defined["CLOCK_HZ"]) == told["clock_hz"] == 100_000_000
     assert int(defined["WEIGHTS"], 16) == told["expected_weights"]
+
+
+def test_words_of_a_state_lie_side_by_side():
+    """They are read as one run, the first of which freezes the others."""
+    addresses = [read_registers()[name].address for name in STATE_WORDS]
+    assert addresses == list(range(addresses[0], addresses[0] + 4 * len(addresses), 4))

@@ -12,13 +12,14 @@ import pytest
 from lxml import etree
 
 from gravcomp import __version__
-from gravcomp.driver.registers import IPXACT, SPIRIT, read_registers
+from gravcomp.driver.registers import SPIRIT, read_registers
 from gravcomp.errors import InputError
 from gravcomp_lab.__main__ import main
 from gravcomp_lab.ipxact.component import SCRIPT, XILINX, component
 from gravcomp_lab.ipxact.entity import Generic, read_entity
 from runner import RTL
 
+IPXACT = RTL / "component.xml"
 COMPONENT = ElementTree.parse(IPXACT).getroot()
 PREFIXES = {"s": SPIRIT}
 # ARM IHI 0022, AXI4-Lite; PROT is there, the optional ones of AXI5-Lite are not.

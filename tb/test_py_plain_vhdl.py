@@ -2,8 +2,8 @@
 
 import pytest
 
+from gravcomp.core.vhdl.plain_vhdl import plain
 from gravcomp.errors import InputError
-from gravcomp_lab.registers.plain_vhdl import plain
 
 
 def test_extended_identifiers_become_plain():

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from codes import ROOT
-from gravcomp.core.formats import bits_for, partial_sum_interval, quantise
+from gravcomp.core.formats import CURRENT_BITS, bits_for, partial_sum_interval, quantise
+from gravcomp.errors import InputError
 from gravcomp.network.activation import gamma
 from gravcomp.network.weights import Network, load_network
+from gravcomp.robot.machine import Drive
 from gravcomp.robot.spheiro.workspace import pose
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.bounds import fixed_point_error_mn, intervals
@@ -127,3 +129,59 @@ def test_offsets_and_unequal_scales_are_folded_without_loss():
     assert np.sqrt((error_mn**2).mean()) <= 3.0
     assert np.abs(error_mn).max() <= 15.0
     assert np.abs(error_mn.mean(axis=0)).max() <= 1.0, "a bias: something was not folded in"
+
+
+def unlike(effort_per_ampere: list[float]) -> tuple[Network, Drive]:
+    """A shoulder of 150 Nm and 8 192 000 counts per turn beside a wrist of 2 Nm and 4096, and their drives."""
+    rng = np.random.default_rng(SEED)
+    network = Network(
+        hidden_weights=rng.uniform(-1.5, 1.5, (8, 2)),
+        hidden_bias=rng.uniform(-1, 1, 8),
+        output_weights=rng.uniform(-0.5, 0.5, (2, 8)),
+        output_bias=rng.uniform(-0.1, 0.1, 2),
+        q_offset=np.array([0.1, -0.2]),
+        q_scale=np.array([0.4, 0.9]),
+        f_offset=np.array([10.0, -0.3]),
+        f_scale=np.array([150.0, 2.0]),
+        position_units=("rad", "rad"),
+    )
+    return network, Drive(np.array([8_192_000, 4096]) / (2 * np.pi), np.array(effort_per_ampere), 40e6)
+
+
+def test_unlike_axes_each_keep_their_precision():
+    """What one axis needs costs the other nothing: each is as close to its float twin as its own counts allow."""
+    network, drive = unlike([45.0, 0.05])
+    fixed = quantise(network, drive)
+    assert (np.diff(fixed.count_shift) < 0).all()
+    counts = np.random.default_rng(SEED).integers(fixed.count_low, fixed.count_high, (5000, 2))
+    effort_mnm = bittrue.core(counts, fixed).force_mn
+    error_mnm = effort_mnm - 1000.0 * network.forces(counts * drive.unit_per_count)
+    # 17 bits of y, some of them for sums and offsets, and the last mNm
+    assert (np.sqrt((error_mnm**2).mean(axis=0)) <= 1e3 * network.f_scale * 2.0**-14 + 0.5).all()
+    current_ua = bittrue.current_scaler(effort_mnm, fixed)
+    exact_ua = effort_mnm * 1000.0 / drive.effort_per_ampere
+    assert not bittrue.current_saturates(effort_mnm, fixed).any()
+    np.testing.assert_allclose(current_ua, exact_ua, rtol=2.0**-17, atol=0.5)
+    for name, interval in intervals(fixed).items():
+        assert interval.needed_bits <= interval.bits, name
+
+
+def test_current_that_does_not_fit_saturates_and_says_so():
+    """Of an axis of 0.05 Nm/A the largest effort, 8388 Nm, asks for 168 kA; of one of 45 N/A nothing is too much."""
+    fixed = quantise(*unlike([45.0, 0.05]))
+    most = 2 ** (CURRENT_BITS - 1)
+    fits = 107_374  # mNm: 2147.48 A
+    effort = np.array([[2**23 - 1, fits], [2**23 - 1, 2**23 - 1], [-(2**23), -(2**23)]])
+    assert bittrue.current_saturates(effort, fixed).tolist() == [[False, False], [False, True], [False, True]]
+    assert bittrue.current_scaler(effort, fixed)[:, 1].tolist() == [
+        int(np.floor(fits * fixed.current_scale[1] / 2.0 ** fixed.current_scale_fraction[1] + 0.5)),
+        most - 1,
+        -most,
+    ]
+
+
+def test_effort_per_ampere_beyond_the_format_is_refused_with_its_axis():
+    """Below 0.0153 Nm/A a milli-effort is more uA than an operand holds."""
+    assert (quantise(*unlike([0.0153, 45.0])).current_scale_fraction >= 1).all()
+    with pytest.raises(InputError, match="axis 2: effort_per_ampere is too large or small for 18 bits"):
+        quantise(*unlike([45.0, 0.015]))

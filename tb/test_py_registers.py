@@ -7,18 +7,15 @@ import pytest
 
 from codes import ROOT
 from gravcomp import __version__
-from gravcomp.driver.registers import IPXACT, read_registers
+from gravcomp.driver.registers import REGISTERS_XML, read_registers
 from gravcomp.errors import InputError
 from gravcomp_lab.ipxact.component import SCRIPT
 from runner import RTL
 
 GENERATED = [
-    *(
-        RTL / "registers" / name
-        for name in ("gc_registers_pkg.vhd", "gc_registers.vhd", "gc_facts_pkg.vhd", "gc_scalars_pkg.vhd")
-    ),
-    IPXACT,
-    IPXACT.parent / SCRIPT,
+    *(RTL / "registers" / name for name in ("gc_facts_pkg.vhd", "gc_scalars_pkg.vhd")),
+    REGISTERS_XML,
+    *(RTL / name for name in ("component.xml", SCRIPT)),
     *(ROOT / "host" / name for name in ("gravcomp_registers.h", "gravcomp_facts.h")),
     ROOT / "sim" / "gravcomp" / "facts.py",
     ROOT / "docs" / "guide" / "system.md",

@@ -105,7 +105,7 @@ def test_rom_holds_the_axes_that_turn_and_their_steps(tmp_path):
     assert main(["rom", "--weights", str(tmp_path), "--out", str(tmp_path / "rom")]) == 0
     text = (tmp_path / "rom" / "gc_network_pkg.vhd").read_text()
     assert re.search(r'turning_c +: std_ulogic_vector\(inputs_c - 1 downto 0\) := "01";', text)
-    for size, number in (("inputs", 2), ("features", 3), ("outputs", 2)):
+    for size, number in (("axes", 2), ("features", 3)):
         assert re.search(rf"{size}_c +: positive := {number};", text)
     for name, step in zip(("coarse", "fine"), steps(Fraction(100000)), strict=True):
         assert f"{name}_step_c" in text

@@ -2,32 +2,14 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from arm import arm_toml
+from axes import random_network
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.inputs import POSITION, SIN_COS
-from gravcomp.network.weights import Network
 from machines import machine_folder
 from test_rtl_core import check_core
-
-
-def random_network(inputs: tuple[str, ...], n_hidden: int) -> Network:
-    n_axes, turns = len(inputs), np.array([kind == SIN_COS for kind in inputs])
-    rng = np.random.default_rng(n_axes * 100 + n_hidden)
-    return Network(
-        hidden_weights=rng.uniform(-3, 3, (n_hidden, n_axes + turns.sum())),
-        hidden_bias=rng.uniform(-1, 1, n_hidden),
-        output_weights=rng.uniform(-1, 1, (n_axes, n_hidden)),
-        output_bias=rng.uniform(-0.2, 0.2, n_axes),
-        q_offset=np.where(turns, 0.0, rng.uniform(-0.05, 0.05, n_axes)),
-        q_scale=np.where(turns, 1.0, rng.uniform(5, 8, n_axes)),
-        f_offset=rng.uniform(-50, 50, n_axes),
-        f_scale=rng.uniform(40, 70, n_axes),
-        position_units=("rad",) * n_axes,
-        inputs=inputs,
-    )
 
 
 def check_machine(inputs: tuple[str, ...], n_hidden: int, lanes: int, folder: Path, **options) -> None:

@@ -11,13 +11,16 @@ from runner import simulate
 
 OUTPUTS = ("out_valid", "out_current", "out_limited", "out_reached", "out_deviates")
 FLAGS = ("out_limited", "out_reached", "out_deviates")
+LIMITS = ("cfg_limit", "cfg_slew", "cfg_bound")
 LARGEST = 2 ** (CURRENT_BITS - 1) - 1
 
 
 def inputs_of(
-    current: np.ndarray, limit: int, slew: int, spacing: int = LATENCY, bound: int = 0
+    current: np.ndarray, limit: int | list, slew: int | list, spacing: int = LATENCY, bound: int | list = 0
 ) -> dict[str, np.ndarray]:
-    """A result every spacing clocks; run high from clock 2, limits already there. current (results, axes)."""
+    """A result every spacing clocks; run high from clock 2, limits already there. current (results, axes);
+    limit, slew and bound of all axes, or (axes,).
+    """
     n_clocks = spacing * len(current) + LATENCY + 4
     valid = np.zeros(n_clocks, np.int64)
     valid[4 : 4 + spacing * len(current) : spacing] = 1
@@ -27,7 +30,7 @@ def inputs_of(
     rst = np.zeros_like(run)
     cfg = {"limit": limit, "slew": slew, "bound": bound}
     inputs = {"rst": rst, "run": run, "in_valid": valid, "in_current": asked, "in_clipped": np.zeros_like(asked)}
-    return inputs | {f"cfg_{name}": np.full(n_clocks, value) for name, value in cfg.items()}
+    return inputs | {f"cfg_{name}": np.full(asked.shape, value) for name, value in cfg.items()}
 
 
 async def run_and_compare(dut, inputs) -> dict[str, np.ndarray]:
@@ -35,7 +38,8 @@ async def run_and_compare(dut, inputs) -> dict[str, np.ndarray]:
     n_axes = inputs["in_current"].shape[1]
     packed = np.array([pack(row, CURRENT_BITS) for row in inputs["in_current"]], object)
     clipped = np.array([pack(row, 1) for row in inputs["in_clipped"]])
-    got = await play(dut, {**inputs, "in_current": packed, "in_clipped": clipped}, OUTPUTS)
+    limits = {name: np.array([pack(row, CURRENT_BITS - 1) for row in inputs[name]], object) for name in LIMITS}
+    got = await play(dut, {**inputs, **limits, "in_current": packed, "in_clipped": clipped}, OUTPUTS)
     got["out_current"] = unpack(got["out_current"], CURRENT_BITS, n_axes)
     for flags in FLAGS:
         got[flags] = got[flags][:, None] >> np.arange(n_axes) & 1
@@ -62,6 +66,19 @@ async def ramps_from_zero_and_keeps_the_limits(dut):
 
 
 @cocotb.test()
+async def each_axis_has_its_own_limits(dut):
+    """Where an axis ends, how fast it gets there and what deviates, is said by its own limits."""
+    axis = np.arange(fixed_network().n_axes)
+    limit, slew, bound = 1000 + 100 * axis, 300 + 10 * axis, 50 * axis
+    asked = limit + 60
+    got = await run_and_compare(dut, inputs_of(np.tile(asked, (12, 1)), limit, slew, bound=bound))
+    command = got["out_current"][got["out_valid"] == 1]
+    np.testing.assert_array_equal(command[0], slew)
+    np.testing.assert_array_equal(command[-1], limit)
+    np.testing.assert_array_equal(got["out_deviates"][-1], bound < 60)
+
+
+@cocotb.test()
 @cocotb.parametrize(slew=[LARGEST, LARGEST - 1, 2**30])
 async def extreme_currents_do_not_overflow(dut, slew):
     n_axes = fixed_network().n_axes
@@ -79,9 +96,9 @@ async def reached_is_the_whole_current(dut, asked):
     n_axes = fixed_network().n_axes
     for limit in (0, 1000, LARGEST):
         inputs = inputs_of(np.full((4, n_axes), asked), limit, LARGEST)
-        inputs["in_clipped"][:, 1] = 1
+        inputs["in_clipped"][:, -1] = 1
         got = await run_and_compare(dut, inputs)
-        assert (got["out_reached"][-1] == [abs(asked) <= limit, 0, abs(asked) <= limit]).all()
+        assert (got["out_reached"][-1] == [*[abs(asked) <= limit] * (n_axes - 1), 0]).all()
         assert (got["out_current"][-1] == asked).all() == (abs(asked) <= limit)
 
 
@@ -139,7 +156,8 @@ async def random_results_limits_and_stops(dut, seed):
     cocotb.log.info("seed %d", seed)
     rng, n_clocks, n_axes = np.random.default_rng(seed), 3000, fixed_network().n_axes
     bits = 2 ** rng.integers(4, 32, n_clocks // 100)
-    cfg = {name: rng.integers(0, bits).clip(max=LARGEST).repeat(100) for name in ("cfg_limit", "cfg_slew", "cfg_bound")}
+    cfg = {name: rng.integers(0, bits[:, None], (len(bits), n_axes)).clip(max=LARGEST).repeat(100, axis=0)
+           for name in LIMITS}  # fmt: skip
     current = corners_and_random(CURRENT_BITS, (n_clocks, n_axes), rng) >> rng.integers(0, 30, (n_clocks, 1))
     inputs = {
         "rst": (rng.random(n_clocks) < 0.005).astype(np.int64),

@@ -84,7 +84,7 @@ async def a_dropped_level_that_costs_counts_is_lost_counts(dut):
         dut.pin_a.value = flipped
         await board.clocks(3)
     await still_runs(board)
-    assert await board.registers.field("axis_flags", "glitch") == 1 << AXIS
+    assert await board.registers.field("encoder_flags", "glitch") == 1 << AXIS
     await board.clocks(1)
     await board.move(AXIS, 8)
     for clocks in (1, 2, 10, 10):
@@ -125,14 +125,14 @@ async def an_index_that_never_falls_is_no_reference(dut):
     await board.configure()
     await board.home()
     await board.registers.read("result_number")
-    assert await board.registers.field("axis_flags", "referenced") == 0
-    assert await board.registers.field("axis_flags", "illegal") == 0, "a reference that was lost again"
+    assert await board.registers.field("encoder_flags", "referenced") == 0
+    assert await board.registers.field("encoder_flags", "illegal") == 0, "a reference that was lost again"
     assert await board.registers.read("cause") & Cause.UNREFERENCED.mask
     board.wires = {}
     board.drive()
     await board.home()
     await board.registers.read("result_number")
-    assert await board.registers.field("axis_flags", "referenced") == 7
+    assert await board.registers.field("encoder_flags", "referenced") == 7
 
 
 @cocotb.test()

@@ -202,7 +202,7 @@ PLANTED = [
         ("out_valid <= valid(5);", "out_valid <= valid(4);", "results_pass_through"),
     ]),
     ("drive", "gc_drive", [
-        ("ceiling <= signed('0' & cfg_limit);", "ceiling <= signed('0' & cfg_limit) + 1;",
+        ("ceiling <= signed('0' & cfg_limit(magnitude_c));", "ceiling <= signed('0' & cfg_limit(magnitude_c)) + 1;",
          "limits_are_those_of_the_result"),
         ("step_5 <= rise;", "step_5 <= gap_3(bits_c - 1 downto 0);", "command_moves_by_the_slew_at_most"),
         ("if miss_7 > above or", "if miss_7 >= above or", "deviation_is_a_distance_beyond_the_bound"),
@@ -322,7 +322,7 @@ PLANTED = [
         ("valid_3 <= valid_2;", "valid_3 <= valid_1;", "place_comes_after_three_clocks"),
     ]),
     ("input_clamp", "gc_input_scaler", [
-        ("truncate(count, count_shift_c, operand_bits_c)", "truncate(count, count_shift_c + 1, operand_bits_c)",
+        ("count_shift_c(axis), operand_bits_c)", "count_shift_c(axis) + 1, operand_bits_c)",
          "counts_in_range_are_multiplied_whole"),
         ("x_v := scalars.x_high(", "x_v := scalars.x_low(", "counts_outside_are_clamped"),
         ("if count < scalars.count_low(", "if count <= scalars.count_low(", "clamped_counts_are_flagged"),

@@ -5,11 +5,12 @@ import pytest
 from cocotb.triggers import FallingEdge, Timer
 from cocotb.utils import get_sim_time
 
+from codes import fixed_network
 from gravcomp_lab.benches.changes import value_change
-from gravcomp_lab.benches.system import ALL_FAULTS, KICK, N_AXES, System
+from gravcomp_lab.benches.system import ALL_FAULTS, KICK, System
 from runner import BENCHES, simulate
 
-ALL = (1 << N_AXES) - 1
+ALL = (1 << fixed_network().n_axes) - 1
 BRAKE, CLOCK, UPSET = 1 << 12, 1 << 13, 1 << 15
 WATCH = 256  # clock_watch_g
 MHZ = [(10, 40), (40, 40.01), (100, 7.3), (40, 10)]
@@ -38,12 +39,12 @@ class Guarded(System):
 
     async def again(self) -> None:
         """Clear all faults and release the brakes, of axes that are referenced."""
-        await self.registers.write("control", 7 << 4 | 2)
+        await self.registers.write("control", self.homing | 2)
         await self.registers.write("command", KICK)
         await self.clocks(250)
         await self.registers.write("fault", ALL_FAULTS)
         await self.wait_for_state("braked")
-        await self.registers.write("control", 7 << 4 | 3)
+        await self.registers.write("control", self.homing | 3)
         await self.wait_for_state("run")
 
     async def causes(self) -> int:
@@ -130,7 +131,7 @@ async def brakes_that_do_not_obey_engage_all(dut):
     await system.start(axi_mhz=40)
     await system.configure(brake_clocks=20, brake_test_clocks=6)
     await system.run()
-    for axis in range(N_AXES):
+    for axis in range(system.n_axes):
         dut.brake_fails.value = 1 << axis
         await system.clocks(15)
         dut.brake_fails.value = 0
@@ -153,7 +154,7 @@ async def brakes_are_tested_before_they_open(dut):
     await system.configure(brake_clocks=20, brake_test_clocks=6, hold_clocks=10_000)
     await system.run()
     assert [which for _, which in system.opened] == [1, 0, 2, 0, 4, 0, ALL]
-    await system.registers.write("control", 7 << 4 | 2)
+    await system.registers.write("control", system.homing | 2)
     await system.clocks(100)
     system.opened.clear()
     # the read-back of axis 2 stays where it is while its brake is tested

@@ -15,7 +15,18 @@ from c_host import CHost, compile_host
 from codes import ROOT, fixed_network, pack, weights_under_test
 from gravcomp.cli import main
 from gravcomp.core.formats import COUNT_BITS
-from gravcomp.driver.host import WRONG_CLOCK, Brakes, Event, Host, Identity, Result, Settings, State, machine_settings
+from gravcomp.driver.host import (
+    WRONG_AXES,
+    WRONG_CLOCK,
+    Brakes,
+    Event,
+    Host,
+    Identity,
+    Result,
+    Settings,
+    State,
+    machine_settings,
+)
 from gravcomp.driver.registers import read_registers
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
@@ -37,16 +48,16 @@ SETTINGS = Settings(
     **machine_settings(weights_under_test()),
     index_position=tuple(INDEX.tolist()),
     index_period=(0, 4000, 400),
-    margin_counts=100,
-    speed_max_counts_per_s=15_000_000,
-    current_limit_ua=1_500_000,
-    current_slew_ua=400_000,
+    margin_counts=(100, 100, 100),
+    speed_max_counts_per_s=(15_000_000, 14_000_000, 13_000_000),
+    current_limit_ua=(1_500_000, 1_400_000, 1_500_000),
+    current_slew_ua=(400_000, 400_000, 300_000),
+    command_bound_ua=(1000, 1000, 1000),
     tick_us=3,
     saturation_us=200,
     watchdog_us=60,
     result_us=200,
     brake_us=1,
-    command_bound_ua=1000,
     command_us=10,
     hold_us=100,
 )
@@ -74,7 +85,8 @@ class Robot:
 def session(host: Host | CHost, robot: Robot) -> list:
     """All functions of the driver; returns what they returned."""
     answers = [host.open(), host.core_runs(), host.brakes_fed()]
-    answers.append(host.configure(answers[0][1], SETTINGS))
+    identity = answers[0][1]
+    answers.append(host.configure(identity, SETTINGS))
     answers.append(host.release(3))  # not homed: refused
     answers.append(host.home(7))
     robot.load()
@@ -146,7 +158,10 @@ def check(answers: list) -> None:
     released, stopped, cleared, again, braked = states[3:]
     assert (released.brakes, released.released, released.run) == (Brakes.RUN, 7, 1)
     assert released.command_ua == released.current_ua
-    assert released.limited == sum((c > SETTINGS.current_limit_ua) << i for i, c in enumerate(released.current_ua))
+    assert released.limited == sum(
+        (asked > limit) << axis
+        for axis, (asked, limit) in enumerate(zip(released.current_ua, SETTINGS.current_limit_ua, strict=True))
+    )
     assert (stopped.brakes, stopped.released, stopped.fault & 1, stopped.first_cause) == (Brakes.FAULTED, 0, 1, 1)
     assert stopped.command_ua == (0, 0, 0)
     assert stopped.first_position == POSES[-1]
@@ -157,7 +172,8 @@ def check(answers: list) -> None:
 
 def home_twice(host: Host | CHost, robot: Robot) -> list[int]:
     """Axes referenced after homing, and after homing has been armed again."""
-    host.configure(host.open()[1], SETTINGS)
+    _, identity = host.open()
+    host.configure(identity, SETTINGS)
     host.home(7)
     robot.load()
     robot.walk_to(INDEX)
@@ -233,19 +249,22 @@ def test_host_example_loads_homes_releases_and_prints_forces():
     simulate_host("example", IMAGE=str(path))
     log = next(BUILD.glob("tb/test_rtl_host-example-lanes_g1-*/run.log")).read_text()
     assert f"image of {len(image.words)} words, CRC-32 {image.crc32:08x}" in log
-    lines = [line for line in log.splitlines() if " N " in line]
+    lines = [line for line in log.splitlines() if " A" in line and " q1 " in line]
     assert lines
     position = np.array([2] * 3)
     network_mn = bittrue.core(position, image.network).force_mn
     force_n = compensator(network_mn, position, np.array([STILL] * 3), image.compensation)[0] / 1e3
     for line in lines:
-        assert [float(text) for text in re.findall(r"q\d +([-.\d]+) mm", line)] == [0.002] * 3
-        np.testing.assert_allclose([float(text) for text in re.findall(r"([-.\d]+) N", line)], force_n, atol=1e-9)
+        assert [float(text) for text in re.findall(r"q\d +([-.\d]+) ", line)] == [2] * 3
+        np.testing.assert_allclose(
+            [float(text) for text in re.findall(r"([-.\d]+) +[-.\d]+ A", line)], force_n, atol=1e-9
+        )
     assert len(lines) == 2
 
 
 TOO_SHORT = "hold_us: shorter than the slew from 0 to current_limit_ua, brake_us and the test of the brakes"
 UNUSABLE = [
+    ({"axes": 6}, WRONG_AXES),
     ({"clock_hz": 100_000_000}, WRONG_CLOCK),
     ({"current_limit_ua": 0}, "current_limit_ua: 0 carries no load"),
     ({"current_slew_ua": 0}, "current_slew_ua: 0 never reaches current_limit_ua"),
@@ -266,15 +285,24 @@ USABLE = [
 ]
 
 
+def changed_on_an_axis(changes: dict) -> Settings:
+    """The settings with other values; of those that each axis has, on the last axis."""
+    usual = {name: getattr(SETTINGS, name) for name in changes}
+    return replace(SETTINGS, **{
+        name: (*usual[name][:-1], value) if isinstance(usual[name], tuple) and isinstance(value, int) else value
+        for name, value in changes.items()
+    })  # fmt: skip
+
+
 def test_host_refuses_settings_that_never_release_the_brakes(tmp_path):
     """In C and in Python, in the same words, and before anything is written."""
     library = compile_host(tmp_path)
-    identity = Identity(20, 4, 40_000_000, 4, (0,) * 8, (0,) * 8, (0,) * 3, (0,) * 3)
+    identity = Identity(3, 20, 4, 40_000_000, 4, (0,) * 8, (0,) * 8, (0,) * 3, (0,) * 3)
     for changes, line in [*UNUSABLE, *((changes, None) for changes in USABLE)]:
         for name in ("C", "Python"):
             bus = FakeBus()
             host = CHost(library, bus) if name == "C" else Host(bus)
-            settings = replace(SETTINGS, **changes)
+            settings = changed_on_an_axis(changes)
             assert host.complaint(identity, settings) == line, (name, changes)
             assert (host.configure(identity, settings) == Result.OK) == (line is None)
             assert bool(bus.written) == (line is None)

@@ -181,8 +181,8 @@ async def refused_image_in_mid_run(dut):
     await registers.write("fault", CRC_FAULT)
     await system.wait_for_state("braked")
     assert await registers.field("load_status", "bad") == 0
-    await registers.write("control", 7 << 4 | 2)
-    await registers.write("control", 7 << 4 | 3)
+    await registers.write("control", system.homing | 2)
+    await registers.write("control", system.homing | 3)
     await system.wait_for_state("run")
 
 

@@ -18,6 +18,7 @@ OUTPUTS = ("run", *BRAKES, "sts_state", "sts_present", "sts_fault", "sts_first_c
 PERIOD_BITS = 32
 WIDTHS = {name: COUNT_BITS for name in ("in_count", "cfg_count_low", "cfg_count_high")} | {
     "in_period": PERIOD_BITS,
+    "cfg_period_min": PERIOD_BITS - 1,
     **{name: 1 for name in ("in_referenced", "in_illegal", "in_clamped", "in_saturated", "in_reached", "in_deviates")},
 }
 STILL = 2**31 - 1  # speed_period at standstill
@@ -52,9 +53,10 @@ def quiet_inputs(n_clocks: int) -> dict[str, np.ndarray]:
     inputs |= {"in_count": 7 * np.arange(n_clocks)[:, None] + 1000 * np.arange(n_axes)}
     low, high = position_window()
     inputs |= {"cfg_count_low": axes_zero + low, "cfg_count_high": axes_zero + high}
-    limits = {"period_min": PERIOD_MIN, "saturation_clocks": SATURATION, "watchdog_clocks": WATCHDOG}
+    limits = {"saturation_clocks": SATURATION, "watchdog_clocks": WATCHDOG}
     limits |= {"result_clocks": RESULT, "brake_clocks": BRAKE, "command_clocks": COMMAND, "hold_clocks": HOLD}
     inputs |= {f"cfg_{name}": zero + value for name, value in limits.items()}
+    inputs["cfg_period_min"] = axes_zero + PERIOD_MIN
     return {name: values.copy() for name, values in inputs.items()}
 
 
@@ -199,11 +201,27 @@ async def no_speed_limit_switches_the_supervision_off(dut, limit):
         inputs = quiet_inputs(140)
         inputs["enable"][ENABLED:] = 1
         inputs["cfg_period_min"][:] = limit
-        inputs["in_period"][ONSET:, 1] = period
+        inputs["in_period"][ONSET:, -1] = period
         got = await run_and_compare(dut, inputs)
         assert (got["sts_state"][RUNNING:ONSET] == State.RUN).all()
         lowest = max(limit, SHORTEST + 1) if limit else STILL
         assert bool(got["brake_release"][-1]) == (abs(period) >= lowest), (limit, period)
+
+
+@cocotb.test()
+async def each_axis_has_its_own_speed_limit(dut):
+    """What is too fast for one axis is slow enough for another."""
+    n_axes = fixed_network().n_axes
+    for axis in range(n_axes):
+        inputs = quiet_inputs(140)
+        inputs["enable"][ENABLED:] = 1
+        inputs["cfg_period_min"][:, axis] = PERIOD_MIN // 2
+        inputs["in_period"][ONSET:, axis] = PERIOD_MIN // 2
+        got = await run_and_compare(dut, inputs)
+        assert got["sts_state"][-1] == State.RUN
+        inputs["cfg_period_min"][:, axis] = PERIOD_MIN // 2 + 1
+        got = await run_and_compare(dut, inputs)
+        assert got["sts_first_cause"][-1] == Cause.SPEED.mask
 
 
 @cocotb.test()
@@ -372,8 +390,9 @@ def random_inputs(rng: np.random.Generator, n_clocks: int) -> dict[str, np.ndarr
     inputs["in_reached"] = (rng.random((n_clocks // 10, n_axes)) < 0.97).repeat(10, axis=0).astype(np.int64)
     inputs["in_deviates"] |= (rng.random((n_clocks // 40, n_axes)) < 0.1).repeat(40, axis=0)
     most = {"brake_clocks": 12, "saturation_clocks": 30, "command_clocks": 30, "hold_clocks": 60}
-    for name, high in (most | {"period_min": 2 * PERIOD_MIN}).items():
+    for name, high in most.items():
         inputs[f"cfg_{name}"] = rng.integers(0, high, n_clocks // 200).repeat(200)
+    inputs["cfg_period_min"] = rng.integers(0, 2 * PERIOD_MIN, (n_clocks // 200, n_axes)).repeat(200, axis=0)
     return inputs
 
 

@@ -77,9 +77,9 @@ async def frames(dut):
 def settings() -> Settings:
     return Settings(
         **machine_settings(weights_under_test()), index_position=(INDEX,) * 3, index_period=(0,) * 3,
-        margin_counts=2000, speed_max_counts_per_s=5_000_000, current_limit_ua=LIMIT_UA, current_slew_ua=LIMIT_UA,
-        tick_us=100, saturation_us=10**6, watchdog_us=4 * 10**6, result_us=10_000, brake_us=5, command_bound_ua=10_000,
-        command_us=10_000, hold_us=10_000,
+        margin_counts=(2000,) * 3, speed_max_counts_per_s=(5_000_000,) * 3, current_limit_ua=(LIMIT_UA,) * 3,
+        current_slew_ua=(LIMIT_UA,) * 3, command_bound_ua=(10_000,) * 3, tick_us=100, saturation_us=10**6,
+        watchdog_us=4 * 10**6, result_us=10_000, brake_us=5, command_us=10_000, hold_us=10_000,
     )  # fmt: skip
 
 

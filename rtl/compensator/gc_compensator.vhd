@@ -31,16 +31,16 @@ entity gc_compensator is
     rst           : in    std_ulogic;
     in_valid      : in    std_ulogic;
     -- Forces of the network, mN, axis 1 lowest.
-    in_force      : in    signed(outputs_c * force_bits_c - 1 downto 0);
+    in_force      : in    signed(axes_c * force_bits_c - 1 downto 0);
     -- Encoder counts, axis 1 lowest.
-    in_count      : in    signed(outputs_c * count_bits_c - 1 downto 0);
+    in_count      : in    signed(axes_c * count_bits_c - 1 downto 0);
     -- Clocks per 4 counts, negative when counting down, axis 1 lowest; see gc_speed_meter.
-    in_period     : in    signed(outputs_c * 32 - 1 downto 0);
+    in_period     : in    signed(axes_c * 32 - 1 downto 0);
     out_valid     : out   std_ulogic;
     -- Compensated forces, mN, axis 1 lowest.
-    out_force     : out   signed(outputs_c * force_bits_c - 1 downto 0);
+    out_force     : out   signed(axes_c * force_bits_c - 1 downto 0);
     -- Force of this axis did not fit.
-    out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0);
+    out_saturated : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Loaded words and constants; read where loadable_g.
     memory        : in    memory_t := rom_memory_c;
     scalars       : in    scalars_t := rom_scalars_c
@@ -52,18 +52,18 @@ architecture rtl of gc_compensator is
   -- Holds the sum of a force, a table and a friction.
   constant total_bits_c : positive := friction_bits_c + 1;
 
-  signal valid_10     : std_ulogic_vector(outputs_c - 1 downto 0);
+  signal valid_10     : std_ulogic_vector(axes_c - 1 downto 0);
   signal valid_11     : std_ulogic := '0';
   signal valid_12     : std_ulogic := '0';
-  signal force_12     : signed(outputs_c * force_bits_c - 1 downto 0);
-  signal saturated_12 : std_ulogic_vector(outputs_c - 1 downto 0);
+  signal force_12     : signed(axes_c * force_bits_c - 1 downto 0);
+  signal saturated_12 : std_ulogic_vector(axes_c - 1 downto 0);
   signal used         : scalars_t;
 
 begin
 
   used <= in_use(loadable_g, scalars);
 
-  g_axis : for i in 0 to outputs_c - 1 generate
+  g_axis : for i in 0 to axes_c - 1 generate
     signal force_7     : std_ulogic_vector(force_bits_c - 1 downto 0);
     signal position_7  : operand_t;
     signal static_8    : signed(friction_bits_c - 1 downto 0);

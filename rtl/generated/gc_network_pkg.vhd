@@ -19,11 +19,12 @@ package gc_network_pkg is
   -- Hz of the core's clock: the tables of friction hold for this one.
   constant clock_hz_c : positive := 40000000;
 
-  -- Sizes: encoder counts in, what the hidden layer sees of them, hidden neurons, efforts out.
-  constant inputs_c   : positive := 3;
+  -- Sizes: axes, whose counts come in and efforts go out; what the hidden layer sees of them; hidden neurons.
+  constant axes_c     : positive := 3;
+  constant inputs_c   : positive := axes_c;
   constant features_c : positive := 3;
   constant hidden_c   : positive := 20;
-  constant outputs_c  : positive := 3;
+  constant outputs_c  : positive := axes_c;
 
   -- Widths of the ports.
   constant count_bits_c   : positive := 32;
@@ -32,13 +33,16 @@ package gc_network_pkg is
 
   type counts_t is array (0 to inputs_c - 1) of integer;
 
+  -- Bits, per axis.
+  type axis_bits_t is array (0 to axes_c - 1) of natural;
+
   -- Input: clamp to the trained range (encoder counts), drop bits, scale to x.
   constant count_low_c            : counts_t := (0 => -160997, 1 => -160997, 2 => -160997);
   constant count_high_c           : counts_t := (0 => 160997, 1 => 160997, 2 => 160997);
-  constant count_shift_c          : natural  := 1;
+  constant count_shift_c          : axis_bits_t := (0 => 1, 1 => 1, 2 => 1);
   constant input_scale_c          : signed(53 downto 0) :=
     b"011010000011010011_011010000011010011_011010000011010011";
-  constant input_scale_fraction_c : natural  := 16;
+  constant input_scale_fraction_c : axis_bits_t := (0 => 16, 1 => 16, 2 => 16);
   constant x_fraction_c           : natural  := 17;
 
   -- x of the limits of the trained range.
@@ -72,13 +76,13 @@ package gc_network_pkg is
   constant output_bias_c            : signed(113 downto 0) :=
     b"11111110111000010100101101001101011110_00000001001101011010011011011111001110_11111110110100010010011001100010111100";
 
-  -- Output: scale y to mN, and mN to uA by the 1/K_t of each axis.
+  -- Output: scale y to mN or mNm, and that to uA by the 1/K_t of each axis.
   constant output_scale_c           : signed(53 downto 0) :=
     b"010001011101001100_010001011101001100_010001011101001100";
-  constant output_scale_fraction_c  : natural  := 16;
+  constant output_scale_fraction_c  : axis_bits_t := (0 => 16, 1 => 16, 2 => 16);
   constant current_scale_c          : signed(53 downto 0) :=
     b"010110001110001110_010110001110001110_010110001110001110";
-  constant current_scale_fraction_c : positive := 12;
+  constant current_scale_fraction_c : axis_bits_t := (0 => 12, 1 => 12, 2 => 12);
 
   -- Words of the weight ROMs, one per neuron.
   constant hidden_word_bits_c : positive := 91;

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 --
--- x = S_i count: drops count_shift_c bits of each encoder count, multiplies by the scale, clamps to the trained range.
+-- x = S_i count: drops bits of each encoder count, multiplies by the scale, clamps to the trained range.
 -- Axes that turn are left out: gc_turn_stage takes them.
 --
 -- The count is compared while it is multiplied: the product of a count outside the range is replaced by that of the
@@ -51,11 +51,12 @@ architecture rtl of gc_input_scaler is
   -- What a count within the trained range is to the multiplier.
 
   function code (
-    count : signed
+    count : signed;
+    axis  : natural
   ) return signed is
   begin
 
-    return truncate(count, count_shift_c, operand_bits_c);
+    return truncate(count, count_shift_c(axis), operand_bits_c);
 
   end function code;
 
@@ -83,7 +84,7 @@ begin
     begin
 
       count <= in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
-      codes(high_c downto low_c) <= code(count);
+      codes(high_c downto low_c) <= code(count, i);
       scales(high_c downto low_c) <= scalars.input_scale((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
 
       -- stage 1: compare; holds until the next count
@@ -114,7 +115,7 @@ begin
 
       begin
 
-        x_v := truncate(product((k_c + 1) * product_bits_c - 1 downto k_c * product_bits_c), input_scale_fraction_c,
+        x_v := truncate(product((k_c + 1) * product_bits_c - 1 downto k_c * product_bits_c), input_scale_fraction_c(i),
                         operand_bits_c);
 
         if far(2 * k_c) = '1' then

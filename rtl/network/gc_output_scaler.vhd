@@ -104,7 +104,7 @@ begin
 
   g_force : for i in 0 to outputs_c - 1 generate
     out_force((i + 1) * force_bits_c - 1 downto i * force_bits_c)
- <= truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), output_scale_fraction_c,
+ <= truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), output_scale_fraction_c(i),
              force_bits_c);
   end generate g_force;
 

@@ -7,8 +7,6 @@ library ieee;
 
 package gc_facts_pkg is
 
-  constant axes_c : positive := 3;
-
   -- States of the brakes.
 
   subtype safety_state_t is std_ulogic_vector(2 downto 0);
@@ -46,7 +44,7 @@ package gc_facts_pkg is
 
   -- Loading: the key, and the registers that it guards, in blocks of 16 bytes.
   constant load_key_c   : std_ulogic_vector(31 downto 0) := x"4B455953";
-  constant load_block_c : std_ulogic_vector(11 downto 4) := x"1C";
+  constant load_block_c : std_ulogic_vector(11 downto 4) := x"62";
 
   constant operand_bits_c          : positive := 18;
   constant image_word_bits_c       : positive := 32;

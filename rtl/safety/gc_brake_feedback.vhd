@@ -28,13 +28,13 @@ entity gc_brake_feedback is
     -- Synchronous, active high.
     rst          : in    std_ulogic;
     -- Read-back per axis, asynchronous; '1': the brake is fed, it is released.
-    brake_fed    : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_fed    : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- The brake of the axis is told to open.
-    in_released  : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    in_released  : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- Longest difference that is no fault, clocks.
     cfg_clocks   : in    unsigned(31 downto 0);
     -- The pins, synchronous.
-    out_feedback : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    out_feedback : out   std_ulogic_vector(axes_c - 1 downto 0);
     out_differs  : out   std_ulogic;
     upset        : out   std_ulogic
   );
@@ -43,17 +43,17 @@ end entity gc_brake_feedback;
 architecture rtl of gc_brake_feedback is
 
   signal known   : std_ulogic;
-  signal level   : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal told    : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal agrees  : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal differs : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal upsets  : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal level   : std_ulogic_vector(axes_c - 1 downto 0);
+  signal told    : std_ulogic_vector(axes_c - 1 downto 0);
+  signal agrees  : std_ulogic_vector(axes_c - 1 downto 0);
+  signal differs : std_ulogic_vector(axes_c - 1 downto 0);
+  signal upsets  : std_ulogic_vector(axes_c - 1 downto 0);
 
 begin
 
   i_pins : entity work.gc_synchronizer
     generic map (
-      width_g  => inputs_c,
+      width_g  => axes_c,
       stages_g => sync_stages_g
     )
     port map (
@@ -66,7 +66,7 @@ begin
 
   i_told : entity work.gc_delay
     generic map (
-      bits_g   => inputs_c,
+      bits_g   => axes_c,
       clocks_g => sync_stages_g
     )
     port map (
@@ -75,7 +75,7 @@ begin
       out_data => told
     );
 
-  g_axis : for i in 0 to inputs_c - 1 generate
+  g_axis : for i in 0 to axes_c - 1 generate
     agrees(i) <= (level(i) xnor told(i)) or not known;
 
     i_time : entity work.gc_timeout

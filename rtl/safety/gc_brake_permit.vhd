@@ -36,13 +36,13 @@ entity gc_brake_permit is
     -- The test of the brakes is over.
     in_tested        : in    std_ulogic;
     -- The test lets go the brake of the axis.
-    in_test          : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    in_test          : in    std_ulogic_vector(axes_c - 1 downto 0);
     cfg_brake_clocks : in    unsigned(31 downto 0);
     faulty           : out   std_ulogic := '0';
     idle             : out   std_ulogic := '1';
     shut             : out   std_ulogic := '1';
     -- '0' lets the brake of the axis go.
-    brake_engage     : out   std_ulogic_vector(inputs_c - 1 downto 0) := (others => '1');
+    brake_engage     : out   std_ulogic_vector(axes_c - 1 downto 0) := (others => '1');
     upset            : out   std_ulogic
   );
 end entity gc_brake_permit;

@@ -45,7 +45,7 @@ entity gc_brake_sequencer is
     -- The brakes are tested.
     in_tested        : in    std_ulogic;
     -- The test lets go the brake of the axis.
-    in_test          : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    in_test          : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- Time for a brake to close and for the motors to take the load, clocks.
     cfg_brake_clocks : in    unsigned(31 downto 0);
     state            : out   safety_state_t := state_braked_c;
@@ -54,7 +54,7 @@ entity gc_brake_sequencer is
     -- HOLDING, and the motors have carried the load: the test may begin.
     may_test         : out   std_ulogic;
     -- '1' releases the brake of the axis.
-    brake_release    : out   std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
+    brake_release    : out   std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
     upset            : out   std_ulogic
   );
 end entity gc_brake_sequencer;

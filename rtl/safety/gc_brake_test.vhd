@@ -36,12 +36,12 @@ entity gc_brake_test is
     rst         : in    std_ulogic;
     in_start    : in    std_ulogic;
     -- '1': the brake of the axis is fed, it is released.
-    in_feedback : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    in_feedback : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- Time of a phase, clocks.
     cfg_clocks  : in    unsigned(31 downto 0);
     -- The path releases the brake of the axis.
-    out_first   : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    out_second  : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    out_first   : out   std_ulogic_vector(axes_c - 1 downto 0);
+    out_second  : out   std_ulogic_vector(axes_c - 1 downto 0);
     out_done    : out   std_ulogic;
     out_failed  : out   std_ulogic := '0';
     upset       : out   std_ulogic
@@ -51,8 +51,8 @@ end entity gc_brake_test;
 architecture rtl of gc_brake_test is
 
   -- The axis whose turn it is; none before and after the test.
-  signal axis        : std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
-  signal next_axis   : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal axis        : std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
+  signal next_axis   : std_ulogic_vector(axes_c - 1 downto 0);
   signal first       : std_ulogic := '0';
   signal next_first  : std_ulogic;
   signal second      : std_ulogic := '0';
@@ -64,7 +64,7 @@ architecture rtl of gc_brake_test is
   signal pause       : std_ulogic;
   signal over        : std_ulogic;
   signal ends        : std_ulogic;
-  signal fed         : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal fed         : std_ulogic_vector(axes_c - 1 downto 0);
   signal upset_time  : std_ulogic;
   signal upset_order : std_ulogic;
 
@@ -110,9 +110,9 @@ begin
       next_second <= first;
       next_first <= not second;
       if first = '0' and second = '0' then
-        next_axis <= axis(inputs_c - 2 downto 0) & '0';
-        next_done <= axis(inputs_c - 1);
-        next_first <= not axis(inputs_c - 1);
+        next_axis <= axis(axes_c - 2 downto 0) & '0';
+        next_done <= axis(axes_c - 1);
+        next_first <= not axis(axes_c - 1);
       end if;
     end if;
 
@@ -142,8 +142,8 @@ begin
   end process p_phase;
 
   g_guard : if guard_g generate
-    signal order      : std_ulogic_vector(inputs_c + 2 downto 0);
-    signal next_order : std_ulogic_vector(inputs_c + 2 downto 0);
+    signal order      : std_ulogic_vector(axes_c + 2 downto 0);
+    signal next_order : std_ulogic_vector(axes_c + 2 downto 0);
   begin
 
     order <= axis & first & second & done;
@@ -151,7 +151,7 @@ begin
 
     i_order : entity work.gc_parity_guard
       generic map (
-        width_g => inputs_c + 3
+        width_g => axes_c + 3
       )
       port map (
         clk        => clk,

@@ -41,7 +41,7 @@ entity gc_brakes is
     in_healthy       : in    std_ulogic;
     in_carried       : in    std_ulogic;
     -- Read-back per axis, asynchronous; '1': the brake is fed, it is released.
-    brake_fed        : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_fed        : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- Time for a brake to close or to open, and for the motors to take the load, clocks.
     cfg_brake_clocks : in    unsigned(31 downto 0);
     -- Time of a phase of the test, clocks.
@@ -49,11 +49,11 @@ entity gc_brakes is
     state            : out   safety_state_t;
     run              : out   std_ulogic;
     -- '1' releases the brake of the axis, '0' engages it.
-    brake_release    : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_release    : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- '0' releases the brake of the axis, '1' engages it.
-    brake_engage     : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_engage     : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- The read-back pins, synchronous.
-    sts_feedback     : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_feedback     : out   std_ulogic_vector(axes_c - 1 downto 0);
     wrong            : out   std_ulogic := '0';
     upset            : out   std_ulogic
   );
@@ -61,7 +61,7 @@ end entity gc_brakes;
 
 architecture rtl of gc_brakes is
 
-  subtype axes_t is std_ulogic_vector(inputs_c - 1 downto 0);
+  subtype axes_t is std_ulogic_vector(axes_c - 1 downto 0);
 
   signal may_test     : std_ulogic;
   signal tested       : std_ulogic;

@@ -30,25 +30,25 @@ entity gc_drive is
     run          : in    std_ulogic;
     in_valid     : in    std_ulogic;
     -- Currents asked for, uA, axis 1 lowest.
-    in_current   : in    signed(outputs_c * current_bits_c - 1 downto 0);
+    in_current   : in    signed(axes_c * current_bits_c - 1 downto 0);
     -- The current is not what the robot takes to be held: its force is saturated, or comes from a clamped count.
-    in_clipped   : in    std_ulogic_vector(outputs_c - 1 downto 0);
-    -- Largest magnitude, uA, of every axis.
-    cfg_limit    : in    unsigned(current_bits_c - 2 downto 0);
-    -- Largest change per result, uA, of every axis; 0 keeps the command where it is.
-    cfg_slew     : in    unsigned(current_bits_c - 2 downto 0);
-    -- Largest distance of a command from the current asked for that is no deviation, uA.
-    cfg_bound    : in    unsigned(current_bits_c - 2 downto 0);
+    in_clipped   : in    std_ulogic_vector(axes_c - 1 downto 0);
+    -- Largest magnitude, uA, axis 1 lowest.
+    cfg_limit    : in    unsigned(axes_c * (current_bits_c - 1) - 1 downto 0);
+    -- Largest change per result, uA, axis 1 lowest; 0 keeps the command where it is.
+    cfg_slew     : in    unsigned(axes_c * (current_bits_c - 1) - 1 downto 0);
+    -- Largest distance of a command from the current asked for that is no deviation, uA, axis 1 lowest.
+    cfg_bound    : in    unsigned(axes_c * (current_bits_c - 1) - 1 downto 0);
     -- One clock per result taken.
     out_valid    : out   std_ulogic := '0';
     -- Commands, uA, axis 1 lowest; hold until the next result.
-    out_current  : out   signed(outputs_c * current_bits_c - 1 downto 0) := (others => '0');
+    out_current  : out   signed(axes_c * current_bits_c - 1 downto 0) := (others => '0');
     -- The magnitude of the last result was clipped.
-    out_limited  : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0');
+    out_limited  : out   std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
     -- The motor carries the load: the command is the whole current of the last result; '0' from run = '0' to the first.
-    out_reached  : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0');
+    out_reached  : out   std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
     -- The motor is far from carrying it; '0' from run = '0' to the first result.
-    out_deviates : out   std_ulogic_vector(outputs_c - 1 downto 0) := (others => '0')
+    out_deviates : out   std_ulogic_vector(axes_c - 1 downto 0) := (others => '0')
   );
 end entity gc_drive;
 
@@ -60,33 +60,14 @@ architecture rtl of gc_drive is
   signal valid   : std_ulogic_vector(1 to 5) := (others => '0');
   signal valid_7 : std_ulogic := '0';
   signal taken   : std_ulogic;
-  signal ceiling : signed(bits_c - 1 downto 0) := (others => '0');
-  signal floor   : signed(bits_c - 1 downto 0) := (others => '0');
-  signal rise    : signed(bits_c - 1 downto 0) := (others => '0');
-  signal fall    : signed(bits_c - 1 downto 0) := (others => '0');
-  signal above   : signed(bits_c - 1 downto 0) := (others => '0');
-  signal below   : signed(bits_c - 1 downto 0) := (others => '0');
+  signal resting : std_ulogic;
 
 begin
 
   taken <= in_valid when unsigned(valid) = 0 else '0';
 
   -- Limits stay as they are while a result uses them.
-  p_limits : process (clk) is
-  begin
-
-    if rising_edge(clk) then
-      if taken = '0' and unsigned(valid(1 to 4)) = 0 then
-        ceiling <= signed('0' & cfg_limit);
-        floor <= -signed('0' & cfg_limit);
-        rise <= signed('0' & cfg_slew);
-        fall <= -signed('0' & cfg_slew);
-      end if;
-      above <= signed('0' & cfg_bound);
-      below <= -signed('0' & cfg_bound);
-    end if;
-
-  end process p_limits;
+  resting <= '1' when taken = '0' and unsigned(valid(1 to 4)) = 0 else '0';
 
   p_valid : process (clk) is
   begin
@@ -104,7 +85,15 @@ begin
 
   end process p_valid;
 
-  g_axis : for i in 0 to outputs_c - 1 generate
+  -- The lower of two limits is the negative of the upper one, of which sums tell as much: no register holds it.
+
+  g_axis : for i in 0 to axes_c - 1 generate
+
+    subtype magnitude_c is natural range (i + 1) * (bits_c - 1) - 1 downto i * (bits_c - 1);
+
+    signal ceiling   : signed(bits_c - 1 downto 0) := (others => '0');
+    signal rise      : signed(bits_c - 1 downto 0) := (others => '0');
+    signal above     : signed(bits_c - 1 downto 0) := (others => '0');
     signal asked_1   : signed(bits_c - 1 downto 0) := (others => '0');
     signal clipped_1 : std_ulogic := '0';
     signal above_1   : std_ulogic := '0';
@@ -117,6 +106,19 @@ begin
     signal command   : signed(bits_c - 1 downto 0) := (others => '0');
     signal miss_7    : signed(bits_c downto 0) := (others => '0');
   begin
+
+    p_limits : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        if resting = '1' then
+          ceiling <= signed('0' & cfg_limit(magnitude_c));
+          rise <= signed('0' & cfg_slew(magnitude_c));
+        end if;
+        above <= signed('0' & cfg_bound(magnitude_c));
+      end if;
+
+    end process p_limits;
 
     p_drive : process (clk) is
 
@@ -135,7 +137,7 @@ begin
             above_1 <= '1';
           end if;
           below_1 <= '0';
-          if current_v < floor then
+          if resize(current_v, bits_c + 1) + ceiling < 0 then
             below_1 <= '1';
           end if;
         end if;
@@ -145,7 +147,7 @@ begin
         if above_1 = '1' then
           target_2 <= ceiling;
         elsif below_1 = '1' then
-          target_2 <= floor;
+          target_2 <= -ceiling;
         end if;
 
         -- stage 3: distance, one bit wider than its terms
@@ -157,7 +159,7 @@ begin
           above_4 <= '1';
         end if;
         below_4 <= '0';
-        if gap_3 < fall then
+        if resize(gap_3, bits_c + 2) + rise < 0 then
           below_4 <= '1';
         end if;
 
@@ -166,7 +168,7 @@ begin
         if above_4 = '1' then
           step_5 <= rise;
         elsif below_4 = '1' then
-          step_5 <= fall;
+          step_5 <= -rise;
         end if;
 
         -- stage 6: the command
@@ -182,7 +184,7 @@ begin
         -- stage 8: compare with the bound
         if valid_7 = '1' then
           out_deviates(i) <= '0';
-          if miss_7 > above or miss_7 < below then
+          if miss_7 > above or resize(miss_7, bits_c + 2) + above < 0 then
             out_deviates(i) <= '1';
           end if;
         end if;

@@ -31,10 +31,10 @@ entity gc_fault_latch is
     -- Causes of this clock.
     in_fault    : in    causes_t;
     -- Positions of this clock, encoder counts, axis 1 lowest.
-    in_count    : in    signed(inputs_c * count_bits_c - 1 downto 0);
+    in_count    : in    signed(axes_c * count_bits_c - 1 downto 0);
     sts_fault   : out   causes_t := no_causes_c;
     first_cause : out   causes_t := no_causes_c;
-    first_count : out   signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
+    first_count : out   signed(axes_c * count_bits_c - 1 downto 0) := (others => '0');
     events      : out   unsigned(7 downto 0) := (others => '0');
     upset       : out   std_ulogic
   );
@@ -45,7 +45,7 @@ architecture rtl of gc_fault_latch is
   signal left       : causes_t;
   signal next_first : causes_t;
   signal is_first   : std_ulogic;
-  signal next_count : signed(inputs_c * count_bits_c - 1 downto 0);
+  signal next_count : signed(axes_c * count_bits_c - 1 downto 0);
 
 begin
 
@@ -76,7 +76,7 @@ begin
   end process p_latch;
 
   g_guard : if guard_g generate
-    constant words_c  : positive := 1 + inputs_c;
+    constant words_c  : positive := 1 + axes_c;
     constant bits_c   : positive := 2 * causes_c;
     signal   upsets   : std_ulogic_vector(words_c - 1 downto 0);
     signal   causes   : std_ulogic_vector(bits_c - 1 downto 0);
@@ -100,7 +100,7 @@ begin
         out_upset  => upsets(0)
       );
 
-    g_axis : for i in 0 to inputs_c - 1 generate
+    g_axis : for i in 0 to axes_c - 1 generate
 
       i_count : entity work.gc_parity_guard
         generic map (

@@ -50,17 +50,17 @@ entity gc_safety is
     -- One clock: the host is alive.
     kick                  : in    std_ulogic;
     -- Encoder counts and clocks per 4 counts (gc_speed_meter), axis 1 lowest.
-    in_count              : in    signed(inputs_c * count_bits_c - 1 downto 0);
-    in_period             : in    signed(inputs_c * 32 - 1 downto 0);
-    in_referenced         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    in_illegal            : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    in_count              : in    signed(axes_c * count_bits_c - 1 downto 0);
+    in_period             : in    signed(axes_c * 32 - 1 downto 0);
+    in_referenced         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    in_illegal            : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- One clock per result of the core, and its flags.
     in_result             : in    std_ulogic;
-    in_clamped            : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    in_saturated          : in    std_ulogic_vector(outputs_c - 1 downto 0);
+    in_clamped            : in    std_ulogic_vector(axes_c - 1 downto 0);
+    in_saturated          : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- The command of the axis is the whole current asked for; it is too far from that (gc_drive).
-    in_reached            : in    std_ulogic_vector(outputs_c - 1 downto 0);
-    in_deviates           : in    std_ulogic_vector(outputs_c - 1 downto 0);
+    in_reached            : in    std_ulogic_vector(axes_c - 1 downto 0);
+    in_deviates           : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- Levels: an image was refused, the ROM in use is not the one expected.
     in_crc_bad            : in    std_ulogic;
     in_rom_bad            : in    std_ulogic;
@@ -69,12 +69,13 @@ entity gc_safety is
     in_core_bad           : in    std_ulogic;
     in_upset              : in    std_ulogic;
     -- Read-back per axis, asynchronous; '1': the brake is fed, it is released. Only with brake_feedback_g.
-    brake_fed             : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_fed             : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- Lowest and highest count that is no fault, axis 1 lowest.
-    cfg_count_low         : in    signed(inputs_c * count_bits_c - 1 downto 0);
-    cfg_count_high        : in    signed(inputs_c * count_bits_c - 1 downto 0);
-    -- Fewest clocks per 4 counts that are no fault, at least period_shortest_g + 1; 0: none but standstill.
-    cfg_period_min        : in    unsigned(30 downto 0);
+    cfg_count_low         : in    signed(axes_c * count_bits_c - 1 downto 0);
+    cfg_count_high        : in    signed(axes_c * count_bits_c - 1 downto 0);
+    -- Fewest clocks per 4 counts that are no fault, at least period_shortest_g + 1; 0: none but standstill. Axis 1
+    -- lowest.
+    cfg_period_min        : in    unsigned(axes_c * 31 - 1 downto 0);
     -- Longest time that is no fault: saturated or clamped, without a kick, without a result; clocks.
     cfg_saturation_clocks : in    unsigned(31 downto 0);
     cfg_watchdog_clocks   : in    unsigned(31 downto 0);
@@ -89,18 +90,18 @@ entity gc_safety is
     -- '0': command to zero.
     run                   : out   std_ulogic;
     -- '1' releases the brake of the axis.
-    brake_release         : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_release         : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- '1' engages the brake of the axis.
-    brake_engage          : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_engage          : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- The read-back pins, synchronous.
-    sts_feedback          : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_feedback          : out   std_ulogic_vector(axes_c - 1 downto 0);
     sts_state             : out   safety_state_t;
     -- Causes of this moment, whether faults or not.
     sts_present           : out   causes_t;
     -- Causes that were not cleared yet; those that came first, and where: encoder counts, axis 1 lowest.
     sts_fault             : out   causes_t;
     sts_first_cause       : out   causes_t;
-    sts_first_count       : out   signed(inputs_c * count_bits_c - 1 downto 0);
+    sts_first_count       : out   signed(axes_c * count_bits_c - 1 downto 0);
     -- Times that a cause came, modulo 256 (gc_fault_latch).
     sts_events            : out   unsigned(7 downto 0)
   );
@@ -110,6 +111,8 @@ architecture rtl of gc_safety is
 
   -- speed_period of an axis that stands still, or of which no speed is known yet; see gc_speed_meter
   constant still_c : signed(31 downto 0) := (31 => '0', others => '1');
+
+  type periods_t is array (0 to axes_c - 1) of signed(31 downto 0);
 
   signal estop_known   : std_ulogic;
   signal estop_level   : std_ulogic_vector(0 downto 0);
@@ -122,10 +125,10 @@ architecture rtl of gc_safety is
   signal command_1     : std_ulogic;
   signal not_holding   : std_ulogic;
   signal hold_1        : std_ulogic;
-  signal period_limit  : signed(31 downto 0) := still_c;
-  signal period_floor  : signed(31 downto 0) := -still_c;
+  -- The longest period that is too short, up or down.
+  signal period_most   : periods_t := (others => still_c - 1);
   signal flags_1       : causes_t := no_causes_c;
-  signal count_1       : signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
+  signal count_1       : signed(axes_c * count_bits_c - 1 downto 0) := (others => '0');
   signal present       : causes_t;
   signal healthy       : std_ulogic;
   signal fault         : causes_t;
@@ -231,21 +234,13 @@ begin
     variable low_v    : signed(count_bits_c - 1 downto 0);
     variable high_v   : signed(count_bits_c - 1 downto 0);
     variable period_v : signed(31 downto 0);
+    variable least_v  : unsigned(30 downto 0);
     variable limit_v  : signed(31 downto 0);
 
   begin
 
     if rising_edge(clk) then
       count_1 <= in_count;
-      limit_v := signed('0' & cfg_period_min);
-      if cfg_period_min = 0 then
-        limit_v := still_c;
-      elsif cfg_period_min <= period_shortest_g then
-        limit_v := to_signed(period_shortest_g + 1, 32);
-      end if;
-      period_limit <= limit_v;
-      period_floor <= -limit_v;
-
       flags_1 <= no_causes_c;
       flags_1(cause_crc_c) <= in_crc_bad;
       flags_1(cause_rom_c) <= in_rom_bad;
@@ -255,12 +250,21 @@ begin
         flags_1(cause_upset_c) <= '1';
       end if;
 
-      for i in 0 to inputs_c - 1 loop
+      for i in 0 to axes_c - 1 loop
 
         count_v := in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c);
         low_v := cfg_count_low((i + 1) * count_bits_c - 1 downto i * count_bits_c);
         high_v := cfg_count_high((i + 1) * count_bits_c - 1 downto i * count_bits_c);
         period_v := in_period((i + 1) * 32 - 1 downto i * 32);
+        least_v := cfg_period_min((i + 1) * 31 - 1 downto i * 31);
+
+        limit_v := signed('0' & least_v);
+        if least_v = 0 then
+          limit_v := still_c;
+        elsif least_v <= period_shortest_g then
+          limit_v := to_signed(period_shortest_g + 1, 32);
+        end if;
+        period_most(i) <= limit_v - 1;
 
         if in_illegal(i) = '1' then
           flags_1(cause_encoder_c) <= '1';
@@ -271,7 +275,7 @@ begin
         if count_v < low_v or count_v > high_v then
           flags_1(cause_position_c) <= '1';
         end if;
-        if period_v > period_floor and period_v < period_limit then
+        if period_v <= period_most(i) and resize(period_v, 33) + period_most(i) >= 0 then
           flags_1(cause_speed_c) <= '1';
         end if;
 

@@ -58,17 +58,17 @@ entity gc_serial_system is
     irq           : out   std_ulogic;
     -- The rest is that of gc_system.
     clk           : in    std_ulogic;
-    pin_a         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_b         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_z         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_error     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
+    pin_a         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_b         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_z         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_error     : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
     estop_n       : in    std_ulogic;
     drive_valid   : out   std_ulogic;
-    drive_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    drive_current : out   signed(axes_c * current_bits_c - 1 downto 0);
     drive_enable  : out   std_ulogic;
-    brake_release : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    brake_engage  : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    brake_fed     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0')
+    brake_release : out   std_ulogic_vector(axes_c - 1 downto 0);
+    brake_engage  : out   std_ulogic_vector(axes_c - 1 downto 0);
+    brake_fed     : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0')
   );
 end entity gc_serial_system;
 

@@ -12,7 +12,7 @@
 -- A write address is taken when the write before it was answered and what that loads has gone out, in one word with
 -- the settings: a write finds the lock as those before it have left it, none overtakes another on the way to the core,
 -- and nothing is loaded faster than it is taken.
--- Latency: 1 clock from in_valid to the interrupt status. AXI4-Lite: see registers/gc_registers.vhd; one write and two
+-- Latency: 1 clock from in_valid to the interrupt status. AXI4-Lite: see generated/gc_registers.vhd; one write and two
 -- reads may be under way.
 
 library ieee;
@@ -79,8 +79,8 @@ architecture rtl of gc_bus_side is
   constant no_register_c : std_ulogic_vector(11 downto 0) := x"FFC";
 
   -- Upper part of the addresses of the settings, and the one among them that keeps nothing.
-  constant settings_block_c   : std_ulogic_vector(11 downto 7) := "00001";
-  constant command_register_c : std_ulogic_vector(11 downto 0) := x"084";
+  constant settings_block_c   : std_ulogic_vector(11 downto 9) := "001";
+  constant command_register_c : std_ulogic_vector(11 downto 0) := x"204";
 
   signal regs_in  : gc_registers_in_t;
   signal regs_out : gc_registers_out_t;
@@ -201,7 +201,7 @@ begin
 
   regs_in.geometry.inputs.next_q <= std_ulogic_vector(to_unsigned(inputs_c, 8));
   regs_in.geometry.hidden.next_q <= std_ulogic_vector(to_unsigned(hidden_c, 8));
-  regs_in.geometry.outputs.next_q <= std_ulogic_vector(to_unsigned(outputs_c, 8));
+  regs_in.geometry.outputs.next_q <= std_ulogic_vector(to_unsigned(axes_c, 8));
   regs_in.geometry.lanes.next_q <= std_ulogic_vector(to_unsigned(lanes_g, 8));
   regs_in.clock_hz.value.next_q <= std_ulogic_vector(to_unsigned(clock_hz_g, 32));
   regs_in.encoder_geometry.filter_samples.next_q <= std_ulogic_vector(to_unsigned(filter_samples_g, 16));
@@ -247,17 +247,13 @@ begin
   settings.once_parity <= '0';
   settings.enable <= regs_out.control.enable.value;
   settings.tick_enable <= regs_out.control.tick_enable.value;
-  settings.home <= regs_out.control.home_enable.value;
+  settings.home <= axes_of(regs_out.control.home_enable.value);
   settings.tick_clocks <= regs_out.tick_clocks.value.value;
   settings.weights <= regs_out.expected_weights.value.value;
-  settings.current_limit <= regs_out.current_limit_ua.value.value;
-  settings.current_slew <= regs_out.current_slew_ua.value.value;
-  settings.period_min <= regs_out.period_min_clocks.value.value;
   settings.saturation_clocks <= regs_out.saturation_clocks.value.value;
   settings.watchdog_clocks <= regs_out.watchdog_clocks.value.value;
   settings.result_clocks <= regs_out.result_clocks.value.value;
   settings.brake_clocks <= regs_out.brake_clocks.value.value;
-  settings.command_bound <= regs_out.command_bound_ua.value.value;
   settings.command_clocks <= regs_out.command_clocks.value.value;
   settings.hold_clocks <= regs_out.hold_clocks.value.value;
   settings.brake_test_clocks <= regs_out.brake_test_clocks.value.value;
@@ -343,26 +339,26 @@ begin
 
   regs_in.control_now.enable.next_q <= in_state.enable;
   regs_in.control_now.tick_enable.next_q <= in_state.tick_enable;
-  regs_in.control_now.home_enable.next_q <= in_state.home;
+  regs_in.control_now.home_enable.next_q <= field_of(in_state.home);
 
   regs_in.result_number.value.next_q <= in_state.number;
   regs_in.missed_ticks.value.next_q <= in_state.missed;
 
   regs_in.status.state.next_q <= in_state.safety;
-  regs_in.status.released.next_q <= in_state.released;
+  regs_in.status.released.next_q <= field_of(in_state.released);
   regs_in.status.run.next_q <= in_state.run;
   regs_in.status.busy.next_q <= in_state.busy;
 
-  regs_in.axis_flags.clamped.next_q <= in_state.clamped;
-  regs_in.axis_flags.saturated.next_q <= in_state.saturated;
-  regs_in.axis_flags.limited.next_q <= in_state.limited;
-  regs_in.axis_flags.reached.next_q <= in_state.reached;
-  regs_in.axis_flags.deviates.next_q <= in_state.deviates;
-  regs_in.axis_flags.referenced.next_q <= in_state.referenced;
-  regs_in.axis_flags.illegal.next_q <= in_state.illegal;
-  regs_in.axis_flags.glitch.next_q <= in_state.glitch;
-  regs_in.axis_flags.speed_valid.next_q <= in_state.speed_valid;
-  regs_in.axis_flags.speed_zero.next_q <= in_state.speed_zero;
+  regs_in.result_flags.clamped.next_q <= field_of(in_state.clamped);
+  regs_in.result_flags.saturated.next_q <= field_of(in_state.saturated);
+  regs_in.command_flags.limited.next_q <= field_of(in_state.limited);
+  regs_in.command_flags.reached.next_q <= field_of(in_state.reached);
+  regs_in.command_flags.deviates.next_q <= field_of(in_state.deviates);
+  regs_in.encoder_flags.referenced.next_q <= field_of(in_state.referenced);
+  regs_in.encoder_flags.illegal.next_q <= field_of(in_state.illegal);
+  regs_in.encoder_flags.glitch.next_q <= field_of(in_state.glitch);
+  regs_in.speed_flags.speed_valid.next_q <= field_of(in_state.speed_valid);
+  regs_in.speed_flags.speed_zero.next_q <= field_of(in_state.speed_zero);
 
   regs_in.cause.value.next_q <= in_state.cause;
   regs_in.first_cause.value.next_q <= in_state.first_cause;
@@ -383,7 +379,7 @@ begin
   regs_in.fault.core.next_q <= in_state.fault(cause_core_c);
   regs_in.fault.upset.next_q <= in_state.fault(cause_upset_c);
 
-  regs_in.guards.feedback.next_q <= in_state.feedback;
+  regs_in.guards.feedback.next_q <= field_of(in_state.feedback);
   regs_in.guards.core_clock.next_q <= in_alive;
 
   -- One word per axis.
@@ -396,6 +392,10 @@ begin
     settings.index_period(i) <= regs_out.index_period(i).value.value;
     settings.window_low(i) <= regs_out.window_low(i).value.value;
     settings.window_high(i) <= regs_out.window_high(i).value.value;
+    settings.current_limit(i) <= regs_out.current_limit_ua(i).value.value;
+    settings.current_slew(i) <= regs_out.current_slew_ua(i).value.value;
+    settings.command_bound(i) <= regs_out.command_bound_ua(i).value.value;
+    settings.period_min(i) <= regs_out.period_min_clocks(i).value.value;
 
     regs_in.position(i).value.next_q <= in_state.position(i);
     regs_in.speed_period(i).value.next_q <= in_state.period(i);

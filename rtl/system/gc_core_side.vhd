@@ -39,13 +39,13 @@ entity gc_core_side is
     rst           : in    std_ulogic;
     -- Encoder pins and emergency stop, asynchronous; axis 1 lowest. pin_error = '1': the others cannot be trusted.
     -- estop_n = '0' stops.
-    pin_a         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_b         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_z         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_error     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
+    pin_a         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_b         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_z         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_error     : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
     estop_n       : in    std_ulogic;
     -- Read-back of the brakes, asynchronous; '1': fed, released. Only with brake_feedback_g.
-    brake_fed     : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_fed     : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- The host's clock stands, or this one stood.
     in_clock_bad  : in    std_ulogic;
     -- What this puts out is not what its copy does.
@@ -55,13 +55,13 @@ entity gc_core_side is
     in_settings   : in    settings_t;
     -- Current commands, uA, axis 1 lowest: one clock per new command.
     drive_valid   : out   std_ulogic;
-    drive_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    drive_current : out   signed(axes_c * current_bits_c - 1 downto 0);
     -- '0': commands are zero.
     drive_enable  : out   std_ulogic;
     -- '1' releases the brake of the axis.
-    brake_release : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_release : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- '1' engages it.
-    brake_engage  : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_engage  : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- State is whole, and taken if wanted.
     out_valid     : out   std_ulogic;
     out_state     : out   state_t
@@ -74,6 +74,10 @@ architecture rtl of gc_core_side is
   signal index_period   : flat_t;
   signal window_low     : flat_t;
   signal window_high    : flat_t;
+  signal current_limit  : flat_magnitudes_t;
+  signal current_slew   : flat_magnitudes_t;
+  signal command_bound  : flat_magnitudes_t;
+  signal period_min     : flat_magnitudes_t;
   signal start          : std_ulogic;
   signal kick           : std_ulogic;
   signal clear_encoder  : std_ulogic;
@@ -91,23 +95,23 @@ architecture rtl of gc_core_side is
   signal busy      : std_ulogic := '0';
 
   signal path_valid    : std_ulogic;
-  signal force_mn      : signed(outputs_c * force_bits_c - 1 downto 0);
-  signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
+  signal force_mn      : signed(axes_c * force_bits_c - 1 downto 0);
+  signal current       : signed(axes_c * current_bits_c - 1 downto 0);
   signal clamped       : axes_t;
   signal saturated     : axes_t;
   signal clipped       : axes_t;
-  signal count         : signed(inputs_c * count_bits_c - 1 downto 0);
-  signal period        : signed(inputs_c * 32 - 1 downto 0);
+  signal count         : signed(axes_c * count_bits_c - 1 downto 0);
+  signal period        : signed(axes_c * 32 - 1 downto 0);
   signal speed_valid   : axes_t;
   signal speed_zero    : axes_t;
   signal referenced    : axes_t;
   signal illegal       : axes_t;
   signal glitch        : axes_t;
-  signal start_count   : signed(inputs_c * count_bits_c - 1 downto 0);
-  signal start_period  : signed(inputs_c * 32 - 1 downto 0);
-  signal result_count  : signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
-  signal result_period : signed(inputs_c * 32 - 1 downto 0) := (others => '0');
-  signal result_force  : signed(outputs_c * 32 - 1 downto 0);
+  signal start_count   : signed(axes_c * count_bits_c - 1 downto 0);
+  signal start_period  : signed(axes_c * 32 - 1 downto 0);
+  signal result_count  : signed(axes_c * count_bits_c - 1 downto 0) := (others => '0');
+  signal result_period : signed(axes_c * 32 - 1 downto 0) := (others => '0');
+  signal result_force  : signed(axes_c * 32 - 1 downto 0);
   signal number        : unsigned(31 downto 0) := (others => '0');
 
   signal run          : std_ulogic;
@@ -116,7 +120,7 @@ architecture rtl of gc_core_side is
   signal feedback     : axes_t;
   signal held_words   : held_t;
   signal setting_bad  : std_ulogic;
-  signal command      : signed(outputs_c * current_bits_c - 1 downto 0);
+  signal command      : signed(axes_c * current_bits_c - 1 downto 0);
   signal limited      : axes_t;
   signal reached      : axes_t;
   signal deviates     : axes_t;
@@ -130,7 +134,7 @@ architecture rtl of gc_core_side is
   signal fault        : causes_t;
   signal first_cause  : causes_t;
   signal fault_events : unsigned(7 downto 0);
-  signal first_count  : signed(inputs_c * count_bits_c - 1 downto 0);
+  signal first_count  : signed(axes_c * count_bits_c - 1 downto 0);
   signal control      : std_ulogic_vector(axes_c + 1 downto 0);
   signal control_4    : std_ulogic_vector(axes_c + 1 downto 0);
 
@@ -140,6 +144,10 @@ begin
   index_period <= flat(in_settings.index_period);
   window_low <= flat(in_settings.window_low);
   window_high <= flat(in_settings.window_high);
+  current_limit <= flat(in_settings.current_limit);
+  current_slew <= flat(in_settings.current_slew);
+  command_bound <= flat(in_settings.command_bound);
+  period_min <= flat(in_settings.period_min);
 
   -- A command counts once, in the clock in which it comes.
   start <= in_settings.commands.start and in_valid;
@@ -253,9 +261,9 @@ begin
       in_valid     => path_valid,
       in_current   => current,
       in_clipped   => clipped,
-      cfg_limit    => unsigned(in_settings.current_limit),
-      cfg_slew     => unsigned(in_settings.current_slew),
-      cfg_bound    => unsigned(in_settings.command_bound),
+      cfg_limit    => current_limit,
+      cfg_slew     => current_slew,
+      cfg_bound    => command_bound,
       out_valid    => drive_valid,
       out_current  => command,
       out_limited  => limited,
@@ -313,7 +321,7 @@ begin
       brake_fed             => brake_fed,
       cfg_count_low         => window_low,
       cfg_count_high        => window_high,
-      cfg_period_min        => unsigned(in_settings.period_min),
+      cfg_period_min        => period_min,
       cfg_saturation_clocks => unsigned(in_settings.saturation_clocks),
       cfg_watchdog_clocks   => unsigned(in_settings.watchdog_clocks),
       cfg_result_clocks     => unsigned(in_settings.result_clocks),

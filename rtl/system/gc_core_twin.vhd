@@ -35,26 +35,26 @@ entity gc_core_twin is
     -- Synchronous, active high.
     rst           : in    std_ulogic;
     -- What the first one gets, see gc_core_side.
-    pin_a         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_b         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_z         : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_error     : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_a         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_b         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_z         : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_error     : in    std_ulogic_vector(axes_c - 1 downto 0);
     estop_n       : in    std_ulogic;
-    brake_fed     : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_fed     : in    std_ulogic_vector(axes_c - 1 downto 0);
     in_clock_bad  : in    std_ulogic;
     in_core_bad   : in    std_ulogic;
     in_valid      : in    std_ulogic;
     in_settings   : in    settings_t;
     -- What the first one puts out.
     main_valid    : in    std_ulogic;
-    main_current  : in    signed(outputs_c * current_bits_c - 1 downto 0);
+    main_current  : in    signed(axes_c * current_bits_c - 1 downto 0);
     main_enable   : in    std_ulogic;
-    main_release  : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    main_engage   : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    main_release  : in    std_ulogic_vector(axes_c - 1 downto 0);
+    main_engage   : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- What the second one would do.
     drive_enable  : out   std_ulogic;
-    brake_release : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    brake_engage  : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_release : out   std_ulogic_vector(axes_c - 1 downto 0);
+    brake_engage  : out   std_ulogic_vector(axes_c - 1 downto 0);
     out_differ    : out   std_ulogic
   );
 end entity gc_core_twin;
@@ -74,7 +74,7 @@ architecture rtl of gc_core_twin is
   signal settings_word_1 : settings_word_t := (others => '0');
   signal settings_1      : settings_t;
   signal valid           : std_ulogic;
-  signal current         : signed(outputs_c * current_bits_c - 1 downto 0);
+  signal current         : signed(axes_c * current_bits_c - 1 downto 0);
   signal enable          : std_ulogic;
   signal released        : axes_t;
   signal engaged         : axes_t;

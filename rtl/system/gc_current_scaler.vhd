@@ -1,8 +1,9 @@
 -- SPDX-License-Identifier: MIT
 --
--- i = f / K_t with the K_t of each axis: forces to motor currents, by one multiplication and rounding.
+-- i = f / K_t with the K_t of each axis: efforts to motor currents, by one multiplication and rounding.
 --
--- Formats: 24 bits, mN -> 32 bits, uA. Latency: 3 clocks. Overflow: cannot happen.
+-- Formats: 24 bits, mN or mNm -> 32 bits, uA. Latency: 3 clocks. Overflow: a current that does not fit saturates and is
+-- flagged; of an axis of more than 3.9 N/A or Nm/A every one fits.
 -- Not part of the network's budget of operations.
 
 library ieee;
@@ -18,34 +19,38 @@ library work;
 
 entity gc_current_scaler is
   port (
-    clk         : in    std_ulogic;
+    clk           : in    std_ulogic;
     -- Synchronous, active high; clears the valid bits.
-    rst         : in    std_ulogic;
-    in_valid    : in    std_ulogic;
+    rst           : in    std_ulogic;
+    in_valid      : in    std_ulogic;
     -- Forces, mN, axis 1 lowest.
-    in_force    : in    signed(outputs_c * force_bits_c - 1 downto 0);
-    out_valid   : out   std_ulogic;
+    in_force      : in    signed(axes_c * force_bits_c - 1 downto 0);
+    out_valid     : out   std_ulogic;
     -- Motor currents, uA, axis 1 lowest.
-    out_current : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    out_current   : out   signed(axes_c * current_bits_c - 1 downto 0);
+    -- The current of this axis saturated; with out_valid.
+    out_saturated : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Constants in use.
-    scalars     : in    scalars_t := rom_scalars_c
+    scalars       : in    scalars_t := rom_scalars_c
   );
 end entity gc_current_scaler;
 
 architecture rtl of gc_current_scaler is
 
   constant product_bits_c : positive := force_bits_c + operand_bits_c;
-  constant half_c         : signed(product_bits_c - 1 downto 0) := to_signed(2 ** (current_scale_fraction_c - 1),
-                                                                             product_bits_c);
 
-  signal valid_2 : std_ulogic_vector(outputs_c - 1 downto 0);
+  signal valid_2 : std_ulogic_vector(axes_c - 1 downto 0);
   signal valid_3 : std_ulogic := '0';
 
 begin
 
-  g_axis : for i in 0 to outputs_c - 1 generate
-    signal product_2 : signed(product_bits_c - 1 downto 0);
-    signal current_3 : signed(current_bits_c - 1 downto 0);
+  g_axis : for i in 0 to axes_c - 1 generate
+    constant fraction_c  : positive := current_scale_fraction_c(i);
+    constant kept_bits_c : positive := product_bits_c - fraction_c;
+    constant half_c      : signed(product_bits_c - 1 downto 0) := to_signed(2 ** (fraction_c - 1), product_bits_c);
+    signal   product_2   : signed(product_bits_c - 1 downto 0);
+    signal   current_3   : signed(current_bits_c - 1 downto 0);
+    signal   saturated_3 : std_ulogic;
   begin
 
     -- stages 1 and 2: multiply
@@ -64,17 +69,23 @@ begin
         out_product => product_2
       );
 
-    -- stage 3: round
+    -- stage 3: round and saturate
     p_round : process (clk) is
+
+      variable current_v : signed(kept_bits_c - 1 downto 0);
+
     begin
 
       if rising_edge(clk) then
-        current_3 <= truncate(product_2 + half_c, current_scale_fraction_c, current_bits_c);
+        current_v := truncate(product_2 + half_c, fraction_c, kept_bits_c);
+        current_3 <= saturate(current_v, current_bits_c);
+        saturated_3 <= overflows(current_v, current_bits_c);
       end if;
 
     end process p_round;
 
     out_current((i + 1) * current_bits_c - 1 downto i * current_bits_c) <= current_3;
+    out_saturated(i) <= saturated_3;
   end generate g_axis;
 
   p_valid : process (clk) is

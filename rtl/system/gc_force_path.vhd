@@ -35,17 +35,17 @@ entity gc_force_path is
     -- Synchronous, active high.
     rst                : in    std_ulogic;
     -- Encoder pins, asynchronous, axis 1 lowest.
-    pin_a              : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_b              : in    std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_z              : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_a              : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_b              : in    std_ulogic_vector(axes_c - 1 downto 0);
+    pin_z              : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- Error outputs of fail-safe receivers: '1' means that the axis' other pins cannot be trusted.
-    pin_error          : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0');
+    pin_error          : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
     -- A rising edge begins homing of the axis, '0' ends it.
-    cfg_home_enable    : in    std_ulogic_vector(inputs_c - 1 downto 0);
+    cfg_home_enable    : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- Count at the index, encoder counts, axis 1 lowest.
-    cfg_index_position : in    signed(inputs_c * count_bits_c - 1 downto 0);
+    cfg_index_position : in    signed(axes_c * count_bits_c - 1 downto 0);
     -- Counts from index to index, 0 = there is one, axis 1 lowest.
-    cfg_index_period   : in    unsigned(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
+    cfg_index_period   : in    unsigned(axes_c * count_bits_c - 1 downto 0) := (others => '0');
     -- Clears the encoder flags.
     cfg_clear          : in    std_ulogic;
     -- Start of an inference on the counts of this clock, taken in a clock with in_ready.
@@ -53,24 +53,24 @@ entity gc_force_path is
     in_ready           : out   std_ulogic;
     -- One clock per result; forces in mN and currents in uA hold until the next, axis 1 lowest.
     out_valid          : out   std_ulogic;
-    out_force          : out   signed(outputs_c * force_bits_c - 1 downto 0);
-    out_current        : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    out_force          : out   signed(axes_c * force_bits_c - 1 downto 0);
+    out_current        : out   signed(axes_c * current_bits_c - 1 downto 0);
     -- Count was outside the trained range, output saturated: with out_valid, held likewise.
-    out_clamped        : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    out_saturated      : out   std_ulogic_vector(outputs_c - 1 downto 0);
+    out_clamped        : out   std_ulogic_vector(axes_c - 1 downto 0);
+    out_saturated      : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Encoder counts, axis 1 lowest.
-    sts_count          : out   signed(inputs_c * count_bits_c - 1 downto 0);
+    sts_count          : out   signed(axes_c * count_bits_c - 1 downto 0);
     -- Direction of the last count, '1' = up.
-    sts_direction      : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_direction      : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Clocks per 4 counts, negative when counting down, axis 1 lowest; see gc_speed_meter.
-    sts_speed_period   : out   signed(inputs_c * 32 - 1 downto 0);
-    sts_speed_valid    : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    sts_speed_zero     : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_speed_period   : out   signed(axes_c * 32 - 1 downto 0);
+    sts_speed_valid    : out   std_ulogic_vector(axes_c - 1 downto 0);
+    sts_speed_zero     : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Count refers to the index.
-    sts_referenced     : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_referenced     : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Counts were lost or cannot be trusted; a pulse was dropped: since the last cfg_clear.
-    sts_illegal        : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    sts_glitch         : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    sts_illegal        : out   std_ulogic_vector(axes_c - 1 downto 0);
+    sts_glitch         : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- An image begins, in the bank that is not in use; a swap that waits is dropped.
     load_begin         : in    std_ulogic := '0';
     -- Its words, in order.
@@ -94,27 +94,28 @@ end entity gc_force_path;
 
 architecture rtl of gc_force_path is
 
-  signal count         : signed(inputs_c * count_bits_c - 1 downto 0);
-  signal count_valid   : std_ulogic_vector(inputs_c - 1 downto 0);
+  signal count         : signed(axes_c * count_bits_c - 1 downto 0);
+  signal count_valid   : std_ulogic_vector(axes_c - 1 downto 0);
   signal counts_valid  : std_ulogic;
   signal start         : std_ulogic;
   signal core_ready    : std_ulogic;
   signal core_valid    : std_ulogic;
-  signal period        : signed(inputs_c * 32 - 1 downto 0);
-  signal network_mn    : signed(outputs_c * force_bits_c - 1 downto 0);
-  signal force_mn      : signed(outputs_c * force_bits_c - 1 downto 0);
-  signal clamped       : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal saturated     : std_ulogic_vector(outputs_c - 1 downto 0);
+  signal period        : signed(axes_c * 32 - 1 downto 0);
+  signal network_mn    : signed(axes_c * force_bits_c - 1 downto 0);
+  signal force_mn      : signed(axes_c * force_bits_c - 1 downto 0);
+  signal clamped       : std_ulogic_vector(axes_c - 1 downto 0);
+  signal saturated     : std_ulogic_vector(axes_c - 1 downto 0);
   -- Flags of the core, to wait for the compensator.
-  signal flags         : std_ulogic_vector(inputs_c + outputs_c - 1 downto 0);
-  signal flags_waited  : std_ulogic_vector(inputs_c + outputs_c - 1 downto 0);
+  signal flags         : std_ulogic_vector(axes_c + axes_c - 1 downto 0);
+  signal flags_waited  : std_ulogic_vector(axes_c + axes_c - 1 downto 0);
   signal force_valid   : std_ulogic;
-  signal unfit         : std_ulogic_vector(outputs_c - 1 downto 0);
+  signal unfit         : std_ulogic_vector(axes_c - 1 downto 0);
   -- Results, to wait for the current scaler.
-  signal result        : std_ulogic_vector(force_mn'length + inputs_c + outputs_c - 1 downto 0);
-  signal result_waited : std_ulogic_vector(force_mn'length + inputs_c + outputs_c - 1 downto 0);
-  signal current       : signed(outputs_c * current_bits_c - 1 downto 0);
+  signal result        : std_ulogic_vector(force_mn'length + axes_c + axes_c - 1 downto 0);
+  signal result_waited : std_ulogic_vector(force_mn'length + axes_c + axes_c - 1 downto 0);
+  signal current       : signed(axes_c * current_bits_c - 1 downto 0);
   signal current_valid : std_ulogic;
+  signal unfit_current : std_ulogic_vector(axes_c - 1 downto 0);
   signal valid         : std_ulogic := '0';
   -- Constants in use; while a swap of them waits no inference begins, after it the core is reset.
   signal memory        : memory_t := rom_memory_c;
@@ -125,7 +126,7 @@ architecture rtl of gc_force_path is
 
 begin
 
-  g_decoder : for i in 0 to inputs_c - 1 generate
+  g_decoder : for i in 0 to axes_c - 1 generate
 
     i_decoder : entity work.gc_quad_decoder
       generic map (
@@ -232,17 +233,18 @@ begin
 
   i_current : entity work.gc_current_scaler
     port map (
-      clk         => clk,
-      rst         => rst,
-      in_valid    => force_valid,
-      in_force    => force_mn,
-      out_valid   => current_valid,
-      out_current => current,
-      scalars     => scalars
+      clk           => clk,
+      rst           => rst,
+      in_valid      => force_valid,
+      in_force      => force_mn,
+      out_valid     => current_valid,
+      out_current   => current,
+      out_saturated => unfit_current,
+      scalars       => scalars
     );
 
-  result <= std_ulogic_vector(force_mn) & flags_waited(flags_waited'high downto outputs_c)
-            & (flags_waited(outputs_c - 1 downto 0) or unfit);
+  result <= std_ulogic_vector(force_mn) & flags_waited(flags_waited'high downto axes_c)
+            & (flags_waited(axes_c - 1 downto 0) or unfit);
 
   i_result : entity work.gc_delay
     generic map (
@@ -263,9 +265,9 @@ begin
       valid <= current_valid;
       if current_valid = '1' then
         out_current <= current;
-        out_force <= signed(result_waited(result_waited'high downto inputs_c + outputs_c));
-        out_clamped <= result_waited(inputs_c + outputs_c - 1 downto outputs_c);
-        out_saturated <= result_waited(outputs_c - 1 downto 0);
+        out_force <= signed(result_waited(result_waited'high downto axes_c + axes_c));
+        out_clamped <= result_waited(axes_c + axes_c - 1 downto axes_c);
+        out_saturated <= result_waited(axes_c - 1 downto 0) or unfit_current;
       end if;
       if rst = '1' then
         valid <= '0';

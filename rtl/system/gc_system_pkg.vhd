@@ -9,6 +9,7 @@ library ieee;
 
 library work;
   use work.gc_facts_pkg.all;
+  use work.gc_network_pkg.all;
 
 package gc_system_pkg is
 
@@ -23,6 +24,8 @@ package gc_system_pkg is
   subtype axes_t is std_ulogic_vector(axes_c - 1 downto 0);
 
   type axis_words_t is array (0 to axes_c - 1) of word_t;
+
+  type axis_magnitudes_t is array (0 to axes_c - 1) of magnitude_t;
 
   -- What is loaded: a word of the image or, beside a command, its CRC; and which of these it is, if any.
 
@@ -48,7 +51,7 @@ package gc_system_pkg is
   constant no_commands_c : commands_t := ('0', '0', '0', no_causes_c);
 
   -- Bits of settings_t that stay as the host wrote them, in words with a bit of parity each.
-  constant held_bits_c  : positive := 2 + axes_c + 9 * 32 + 4 * 31 + 4 * 32 * axes_c;
+  constant held_bits_c  : positive := 2 + axes_c + 9 * 32 + (4 * 32 + 4 * 31) * axes_c;
   constant held_words_c : positive := (held_bits_c + 31) / 32;
 
   subtype held_t is std_ulogic_vector(32 * held_words_c - 1 downto 0);
@@ -66,14 +69,10 @@ package gc_system_pkg is
     home              : axes_t;
     tick_clocks       : word_t;
     weights           : word_t;
-    current_limit     : magnitude_t;
-    current_slew      : magnitude_t;
-    period_min        : magnitude_t;
     saturation_clocks : word_t;
     watchdog_clocks   : word_t;
     result_clocks     : word_t;
     brake_clocks      : word_t;
-    command_bound     : magnitude_t;
     command_clocks    : word_t;
     hold_clocks       : word_t;
     brake_test_clocks : word_t;
@@ -81,6 +80,10 @@ package gc_system_pkg is
     index_period      : axis_words_t;
     window_low        : axis_words_t;
     window_high       : axis_words_t;
+    current_limit     : axis_magnitudes_t;
+    current_slew      : axis_magnitudes_t;
+    command_bound     : axis_magnitudes_t;
+    period_min        : axis_magnitudes_t;
     commands          : commands_t;
     load              : load_t;
     -- Of held(settings), word by word; of once(commands, load).
@@ -190,6 +193,30 @@ package gc_system_pkg is
     words : flat_t
   ) return axis_words_t;
 
+  subtype flat_magnitudes_t is unsigned(31 * axes_c - 1 downto 0);
+
+  function flat (
+    magnitudes : axis_magnitudes_t
+  ) return flat_magnitudes_t;
+
+  -- A set of axes as a field of gc_registers, and back: there a field of one bit is no vector.
+
+  function field_of (
+    axes : axes_t
+  ) return std_ulogic;
+
+  function field_of (
+    axes : axes_t
+  ) return std_ulogic_vector;
+
+  function axes_of (
+    field : std_ulogic
+  ) return axes_t;
+
+  function axes_of (
+    field : std_ulogic_vector
+  ) return axes_t;
+
 end package gc_system_pkg;
 
 package body gc_system_pkg is
@@ -240,6 +267,20 @@ package body gc_system_pkg is
   end procedure exchange;
 
   procedure exchange (
+    variable word  : inout std_ulogic_vector;
+    variable field : inout axis_magnitudes_t
+  ) is
+  begin
+
+    for i in axis_magnitudes_t'range loop
+
+      exchange(word, field(i));
+
+    end loop;
+
+  end procedure exchange;
+
+  procedure exchange (
     variable word     : inout std_ulogic_vector;
     variable commands : inout commands_t;
     variable load     : inout load_t
@@ -269,14 +310,10 @@ package body gc_system_pkg is
     exchange(word, settings.home);
     exchange(word, settings.tick_clocks);
     exchange(word, settings.weights);
-    exchange(word, settings.current_limit);
-    exchange(word, settings.current_slew);
-    exchange(word, settings.period_min);
     exchange(word, settings.saturation_clocks);
     exchange(word, settings.watchdog_clocks);
     exchange(word, settings.result_clocks);
     exchange(word, settings.brake_clocks);
-    exchange(word, settings.command_bound);
     exchange(word, settings.command_clocks);
     exchange(word, settings.hold_clocks);
     exchange(word, settings.brake_test_clocks);
@@ -284,6 +321,10 @@ package body gc_system_pkg is
     exchange(word, settings.index_period);
     exchange(word, settings.window_low);
     exchange(word, settings.window_high);
+    exchange(word, settings.current_limit);
+    exchange(word, settings.current_slew);
+    exchange(word, settings.command_bound);
+    exchange(word, settings.period_min);
     exchange(word, settings.commands, settings.load);
     exchange(word, settings.parity);
     exchange(word, settings.once_parity);
@@ -488,5 +529,59 @@ package body gc_system_pkg is
     return words_v;
 
   end function by_axis;
+
+  function flat (
+    magnitudes : axis_magnitudes_t
+  ) return flat_magnitudes_t is
+
+    variable flat_v : flat_magnitudes_t;
+
+  begin
+
+    for i in axis_magnitudes_t'range loop
+
+      flat_v(31 * i + 30 downto 31 * i) := unsigned(magnitudes(i));
+
+    end loop;
+
+    return flat_v;
+
+  end function flat;
+
+  function field_of (
+    axes : axes_t
+  ) return std_ulogic is
+  begin
+
+    return axes(0);
+
+  end function field_of;
+
+  function field_of (
+    axes : axes_t
+  ) return std_ulogic_vector is
+  begin
+
+    return axes;
+
+  end function field_of;
+
+  function axes_of (
+    field : std_ulogic
+  ) return axes_t is
+  begin
+
+    return (0 => field, others => '0');
+
+  end function axes_of;
+
+  function axes_of (
+    field : std_ulogic_vector
+  ) return axes_t is
+  begin
+
+    return field;
+
+  end function axes_of;
 
 end package body gc_system_pkg;

@@ -5,4 +5,4 @@ bit-true models), ``logs`` (measured data), ``diagnosis`` (what a model lacks), 
 ``prototype``, ``driver``.
 """
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"

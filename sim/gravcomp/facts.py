@@ -2,7 +2,7 @@
 
 from enum import IntEnum, IntFlag
 
-AXES = 3
+MAX_AXES = 8
 
 # Loading: the key, and words of an image from kick to kick.
 LOAD_KEY = 0x4B455953

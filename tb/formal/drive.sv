@@ -12,9 +12,9 @@ module drive #(
     input in_valid,
     input [95:0] in_current,
     input [2:0] in_clipped,
-    input [30:0] cfg_limit,
-    input [30:0] cfg_slew,
-    input [30:0] cfg_bound
+    input [92:0] cfg_limit,
+    input [92:0] cfg_slew,
+    input [92:0] cfg_bound
 );
 
   wire out_valid;
@@ -22,7 +22,9 @@ module drive #(
   wire [2:0] out_limited, out_reached, out_deviates;
   (* hierconn *) wire [4:0] \dut.valid ;
   (* hierconn *) wire \dut.valid_7 ;
-  (* hierconn *) wire signed [31:0] \dut.ceiling , \dut.floor , \dut.rise , \dut.fall , \dut.above , \dut.below ;
+  (* hierconn *) wire [31:0] \dut.g_axis_n1_ceiling , \dut.g_axis_n2_ceiling , \dut.g_axis_n3_ceiling ;
+  (* hierconn *) wire [31:0] \dut.g_axis_n1_rise , \dut.g_axis_n2_rise , \dut.g_axis_n3_rise ;
+  (* hierconn *) wire [31:0] \dut.g_axis_n1_above , \dut.g_axis_n2_above , \dut.g_axis_n3_above ;
 
   gc_drive dut (
       .clk(clk), .rst(rst), .run(run), .in_valid(in_valid), .in_current(in_current), .in_clipped(in_clipped),
@@ -38,14 +40,16 @@ module drive #(
   reg [30:0] highest = 0;
 
   wire stopped = rst || !run;
+  wire [30:0] given_limit = cfg_limit[31*AXIS+:31], given_slew = cfg_slew[31*AXIS+:31];
+  wire [30:0] given_bound = cfg_bound[31*AXIS+:31];
   wire taken = in_valid && taken_then[5:1] == 0;
 
   always @(posedge clk) begin
     taken_then <= stopped ? 0 : {taken_then, taken};
     stopped_1 <= stopped;
-    bound <= cfg_bound;
-    highest <= stopped ? (limit > cfg_limit ? limit : cfg_limit) : highest > cfg_limit ? highest : cfg_limit;
-    if (!taken && taken_then[4:1] == 0) {limit, slew} <= {cfg_limit, cfg_slew};
+    bound <= given_bound;
+    highest <= (stopped ? limit : highest) > given_limit ? (stopped ? limit : highest) : given_limit;
+    if (!taken && taken_then[4:1] == 0) {limit, slew} <= {given_limit, given_slew};
   end
 
   (* hierconn *) wire [31:0] \dut.g_axis_n1_asked_1 , \dut.g_axis_n2_asked_1 , \dut.g_axis_n3_asked_1 ;
@@ -64,12 +68,17 @@ module drive #(
   wire [98:0] all_gap = {\dut.g_axis_n3_gap_3 , \dut.g_axis_n2_gap_3 , \dut.g_axis_n1_gap_3 };
   wire [95:0] all_step = {\dut.g_axis_n3_step_5 , \dut.g_axis_n2_step_5 , \dut.g_axis_n1_step_5 };
   wire [98:0] all_miss = {\dut.g_axis_n3_miss_7 , \dut.g_axis_n2_miss_7 , \dut.g_axis_n1_miss_7 };
+  wire [95:0] all_ceiling = {\dut.g_axis_n3_ceiling , \dut.g_axis_n2_ceiling , \dut.g_axis_n1_ceiling };
+  wire [95:0] all_rise = {\dut.g_axis_n3_rise , \dut.g_axis_n2_rise , \dut.g_axis_n1_rise };
+  wire [95:0] all_above = {\dut.g_axis_n3_above , \dut.g_axis_n2_above , \dut.g_axis_n1_above };
   wire [2:0] above_1 = {\dut.g_axis_n3_above_1 , \dut.g_axis_n2_above_1 , \dut.g_axis_n1_above_1 };
   wire [2:0] below_1 = {\dut.g_axis_n3_below_1 , \dut.g_axis_n2_below_1 , \dut.g_axis_n1_below_1 };
   wire [2:0] above_4 = {\dut.g_axis_n3_above_4 , \dut.g_axis_n2_above_4 , \dut.g_axis_n1_above_4 };
   wire [2:0] below_4 = {\dut.g_axis_n3_below_4 , \dut.g_axis_n2_below_4 , \dut.g_axis_n1_below_4 };
   wire [2:0] clipped_1 = {\dut.g_axis_n3_clipped_1 , \dut.g_axis_n2_clipped_1 , \dut.g_axis_n1_clipped_1 };
 
+  wire signed [31:0] dut_ceiling = all_ceiling[32*AXIS+:32], dut_rise = all_rise[32*AXIS+:32];
+  wire signed [31:0] dut_above = all_above[32*AXIS+:32];
   wire signed [31:0] command = out_current[32*AXIS+:32];
   wire signed [31:0] target_2 = all_target[32*AXIS+:32], step_5 = all_step[32*AXIS+:32];
   wire signed [32:0] gap_3 = all_gap[33*AXIS+:33], miss_7 = all_miss[33*AXIS+:33];
@@ -126,8 +135,7 @@ module drive #(
       assert (\dut.valid == {taken_then[1], taken_then[2], taken_then[3], taken_then[4], taken_then[5]}
               && out_valid == taken_then[6] && \dut.valid_7 == taken_then[7]);
     limits_are_those_of_the_result :
-      assert (\dut.ceiling == limit && \dut.floor == -{1'b0, limit} && \dut.rise == slew
-              && \dut.fall == -{1'b0, slew} && \dut.above == bound && \dut.below == -{1'b0, bound});
+      assert (dut_ceiling == limit && dut_rise == slew && dut_above == bound);
     limit_is_one_of_those_given : assert (limit <= highest);
     stages_hold_what_they_should : assert (follow);
     command_stays_between_its_last_value_and_the_target : assert (inside);

@@ -1,13 +1,13 @@
 // Claims of gc_input_scaler, for every count: x is that of the count clamped to the trained range.
 //
 // LOW, HIGH: the trained range. x = (count >>> SHIFT) * SCALE >>> FRACTION, its product any value in the place of the
-// right one. LATENCY: clocks from count to x, PRODUCT_CLOCKS of them from product to x.
+// right one; of each axis, 6 bits. LATENCY: clocks from count to x, PRODUCT_CLOCKS of them from product to x.
 module input_clamp #(
     parameter [95:0] LOW = 0,
     parameter [95:0] HIGH = 0,
     parameter [53:0] SCALE = 0,
-    parameter SHIFT = 0,
-    parameter FRACTION = 0,
+    parameter [17:0] SHIFT = 0,
+    parameter [17:0] FRACTION = 0,
     parameter LATENCY = 3,
     parameter PRODUCT_CLOCKS = 1
 ) (
@@ -49,18 +49,19 @@ module input_clamp #(
       wire signed [31:0] low = LOW[32*i+:32], high = HIGH[32*i+:32];
       wire signed [31:0] now = in_count[32*i+:32], then = counts[96*(LATENCY-1)+32*i+:32];
       wire signed [17:0] scale = SCALE[18*i+:18];
+      localparam [5:0] shift = SHIFT[6*i+:6], fraction = FRACTION[6*i+:6];
       wire signed [17:0] code = \dut.codes [18*i+:18];
       wire signed [35:0] product = products[36*i+:36];
 
       // What the limits become; a product in the range lies between theirs.
-      wire signed [49:0] low_x = (low >>> SHIFT) * scale >>> FRACTION;
-      wire signed [49:0] high_x = (high >>> SHIFT) * scale >>> FRACTION;
+      wire signed [49:0] low_x = (low >>> shift) * scale >>> fraction;
+      wire signed [49:0] high_x = (high >>> shift) * scale >>> fraction;
       wire fit = low_x >= -50'sd131072 && high_x <= 50'sd131071;
-      wire signed [35:0] wanted = then < low ? low_x : then > high ? high_x : product >>> FRACTION;
+      wire signed [35:0] wanted = then < low ? low_x : then > high ? high_x : product >>> fraction;
 
       assign x_low[18*i+:18] = low_x[17:0];
       assign x_high[18*i+:18] = high_x[17:0];
-      assign codes_right[i] = now < low || now > high || code == now >>> SHIFT;
+      assign codes_right[i] = now < low || now > high || code == now >>> shift;
       assign x_right[i] = fit && x[18*i+:18] == wanted[17:0];
       assign flags_right[i] = clamped[i] == (then < low || then > high);
     end

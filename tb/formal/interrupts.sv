@@ -24,7 +24,7 @@ module interrupts (
     input out_ready
 );
 
-  localparam [11:0] ENABLE = 12'h1A0, STATUS = 12'h1A4;
+  localparam [11:0] ENABLE = 12'h600, STATUS = 12'h604;
 
   wire awready, wready, bvalid, irq;
   reg known = 0, go = 0, enabled = 0;

@@ -33,7 +33,7 @@ module safety #(
     input in_upset,
     input [95:0] cfg_count_low,
     input [95:0] cfg_count_high,
-    input [30:0] cfg_period_min,
+    input [92:0] cfg_period_min,
     input [31:0] cfg_saturation_clocks,
     input [31:0] cfg_watchdog_clocks,
     input [31:0] cfg_result_clocks,
@@ -73,10 +73,22 @@ module safety #(
   reg [7:0] events_1 = 0;
 
   // Speed limit: 0 allows none, and what is less than can be measured means the lowest of that.
-  reg signed [31:0] limit_1 = 32'h7fff_ffff, floor_1 = -32'h7fff_ffff;
-  reg speeding_1 = 0;
-  wire signed [31:0] limit = cfg_period_min == 0 ? 32'h7fff_ffff : cfg_period_min <= 8 ? 9 : cfg_period_min;
-  wire signed [31:0] period_1 = in_period[31:0], period_2 = in_period[63:32], period_3 = in_period[95:64];
+  reg [2:0] speeding_1 = 0;
+  genvar i;
+  generate
+    for (i = 0; i < 3; i = i + 1) begin : g_speed
+      reg signed [31:0] limit_1 = 32'h7fff_ffff, floor_1 = -32'h7fff_ffff;
+      wire [30:0] least = cfg_period_min[31*i+:31];
+      wire signed [31:0] limit = least == 0 ? 32'h7fff_ffff : least <= 8 ? 9 : least;
+      wire signed [31:0] period = in_period[32*i+:32];
+
+      always @(posedge clk) begin
+        limit_1 <= limit;
+        floor_1 <= -limit;
+        speeding_1[i] <= !rst && period > floor_1 && period < limit_1;
+      end
+    end
+  endgenerate
 
   // Clocks without a break, up to a limit, in which the motors carried the load (or the brakes closed), a command deviated,
   // HOLDING lasted; and in the clock before, whether they were more than the limit.
@@ -88,10 +100,6 @@ module safety #(
   reg deviated_too_long_1 = 0, held_too_long_1 = 0;
 
   always @(posedge clk) begin
-    limit_1 <= limit;
-    floor_1 <= -limit;
-    speeding_1 <= !rst && (period_1 > floor_1 && period_1 < limit_1 || period_2 > floor_1 && period_2 < limit_1
-                           || period_3 > floor_1 && period_3 < limit_1);
     carries_1 <= carries;
     carried <= rst || !carries ? 0 : carried + (carried < cfg_brake_clocks);
     deviated <= rst || !deviates ? 0 : deviated + (deviated < cfg_command_clocks);
@@ -133,7 +141,7 @@ module safety #(
     lost_counts_engage_the_brakes : assert (!illegal_then[2] || !brake_release && !run);
     lost_reference_engages_the_brakes : assert (!unreferenced_then[2] || !brake_release && !run);
     causes_engage_the_brakes : assert (!present_1 || !brake_release && !run);
-    speed_is_held_against_every_limit : assert (present[SPEED] == speeding_1);
+    speed_is_held_against_every_limit : assert (present[SPEED] == |speeding_1);
     motion_starts_by_an_edge_while_healthy :
       assert (!run || run_1 || enable_1 && !enable_2 && !present_1 && state_1 == BRAKED);
     fault_lasts_until_all_are_cleared_and_no_cause_is_present :

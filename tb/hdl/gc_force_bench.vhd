@@ -21,20 +21,20 @@ entity gc_force_bench is
     in_valid      : in    std_ulogic;
     in_ready      : out   std_ulogic;
     -- Encoder counts, and clocks per 4 counts as of gc_speed_meter, axis 1 lowest.
-    in_count      : in    signed(inputs_c * count_bits_c - 1 downto 0);
-    in_period     : in    signed(inputs_c * 32 - 1 downto 0);
+    in_count      : in    signed(axes_c * count_bits_c - 1 downto 0);
+    in_period     : in    signed(axes_c * 32 - 1 downto 0);
     out_valid     : out   std_ulogic;
-    out_force     : out   signed(outputs_c * force_bits_c - 1 downto 0);
-    out_saturated : out   std_ulogic_vector(outputs_c - 1 downto 0)
+    out_force     : out   signed(axes_c * force_bits_c - 1 downto 0);
+    out_saturated : out   std_ulogic_vector(axes_c - 1 downto 0)
   );
 end entity gc_force_bench;
 
 architecture sim of gc_force_bench is
 
   signal core_valid : std_ulogic;
-  signal core_force : signed(outputs_c * force_bits_c - 1 downto 0);
-  signal clamped    : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal saturated  : std_ulogic_vector(outputs_c - 1 downto 0);
+  signal core_force : signed(axes_c * force_bits_c - 1 downto 0);
+  signal clamped    : std_ulogic_vector(axes_c - 1 downto 0);
+  signal saturated  : std_ulogic_vector(axes_c - 1 downto 0);
   signal sample     : std_ulogic_vector(in_count'length + in_period'length - 1 downto 0);
   signal waited     : std_ulogic_vector(in_count'length + in_period'length - 1 downto 0);
 

@@ -18,24 +18,24 @@ entity gc_force_path_bench is
     clk              : in    std_ulogic;
     rst              : in    std_ulogic;
     -- Position of each axis to walk to and of its index, counts, axis 1 lowest; see gc_encoder_model.
-    target           : in    signed(inputs_c * 32 - 1 downto 0);
-    index_count      : in    signed(inputs_c * 32 - 1 downto 0);
+    target           : in    signed(axes_c * 32 - 1 downto 0);
+    index_count      : in    signed(axes_c * 32 - 1 downto 0);
     load             : in    std_ulogic;
     clocks_per_edge  : in    unsigned(15 downto 0);
-    busy             : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    busy             : out   std_ulogic_vector(axes_c - 1 downto 0);
     home_enable      : in    std_ulogic;
     in_valid         : in    std_ulogic;
     in_ready         : out   std_ulogic;
     out_valid        : out   std_ulogic;
-    out_force        : out   signed(outputs_c * force_bits_c - 1 downto 0);
-    out_current      : out   signed(outputs_c * current_bits_c - 1 downto 0);
-    out_clamped      : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    out_saturated    : out   std_ulogic_vector(outputs_c - 1 downto 0);
-    sts_count        : out   signed(inputs_c * count_bits_c - 1 downto 0);
-    sts_speed_period : out   signed(inputs_c * 32 - 1 downto 0);
-    sts_referenced   : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    sts_illegal      : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    sts_glitch       : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    out_force        : out   signed(axes_c * force_bits_c - 1 downto 0);
+    out_current      : out   signed(axes_c * current_bits_c - 1 downto 0);
+    out_clamped      : out   std_ulogic_vector(axes_c - 1 downto 0);
+    out_saturated    : out   std_ulogic_vector(axes_c - 1 downto 0);
+    sts_count        : out   signed(axes_c * count_bits_c - 1 downto 0);
+    sts_speed_period : out   signed(axes_c * 32 - 1 downto 0);
+    sts_referenced   : out   std_ulogic_vector(axes_c - 1 downto 0);
+    sts_illegal      : out   std_ulogic_vector(axes_c - 1 downto 0);
+    sts_glitch       : out   std_ulogic_vector(axes_c - 1 downto 0);
     load_begin       : in    std_ulogic := '0';
     load_valid       : in    std_ulogic := '0';
     load_word        : in    std_ulogic_vector(31 downto 0) := (others => '0');
@@ -51,14 +51,14 @@ end entity gc_force_path_bench;
 
 architecture sim of gc_force_path_bench is
 
-  signal a          : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal b          : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal z          : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal true_count : signed(inputs_c * 32 - 1 downto 0);
+  signal a          : std_ulogic_vector(axes_c - 1 downto 0);
+  signal b          : std_ulogic_vector(axes_c - 1 downto 0);
+  signal z          : std_ulogic_vector(axes_c - 1 downto 0);
+  signal true_count : signed(axes_c * 32 - 1 downto 0);
 
 begin
 
-  g_encoder : for i in 0 to inputs_c - 1 generate
+  g_encoder : for i in 0 to axes_c - 1 generate
 
     i_encoder : entity work.gc_encoder_model
       port map (

@@ -25,9 +25,9 @@ architecture sim of gc_hold_bench is
   signal rst       : std_ulogic := '1';
   signal done      : boolean := false;
   signal in_valid  : std_ulogic := '0';
-  signal in_count  : signed(inputs_c * count_bits_c - 1 downto 0);
+  signal in_count  : signed(axes_c * count_bits_c - 1 downto 0);
   signal out_valid : std_ulogic;
-  signal out_force : signed(outputs_c * force_bits_c - 1 downto 0);
+  signal out_force : signed(axes_c * force_bits_c - 1 downto 0);
 
 begin
 
@@ -49,7 +49,7 @@ begin
       out_saturated => open
     );
 
-  g_count : for i in 0 to inputs_c - 1 generate
+  g_count : for i in 0 to axes_c - 1 generate
     in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c) <= to_signed(count_g, count_bits_c);
   end generate g_count;
 
@@ -68,7 +68,7 @@ begin
       severity failure;
     wait until falling_edge(clk);
 
-    for i in 0 to outputs_c - 1 loop
+    for i in 0 to axes_c - 1 loop
 
       report "force " & integer'image(i + 1) & ": "
              & integer'image(to_integer(out_force((i + 1) * force_bits_c - 1 downto i * force_bits_c))) & " mN";

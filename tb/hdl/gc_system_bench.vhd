@@ -48,36 +48,36 @@ entity gc_system_bench is
     irq             : out   std_ulogic;
     clk             : in    std_ulogic;
     -- Position of each axis to walk to and of its index, counts, axis 1 lowest; see gc_encoder_model.
-    target          : in    signed(inputs_c * 32 - 1 downto 0);
-    index_count     : in    signed(inputs_c * 32 - 1 downto 0);
+    target          : in    signed(axes_c * 32 - 1 downto 0);
+    index_count     : in    signed(axes_c * 32 - 1 downto 0);
     load            : in    std_ulogic;
     clocks_per_edge : in    unsigned(15 downto 0);
-    busy            : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    busy            : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Encoder pins, for the test to watch.
-    pin_a           : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    pin_b           : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    pin_a           : out   std_ulogic_vector(axes_c - 1 downto 0);
+    pin_b           : out   std_ulogic_vector(axes_c - 1 downto 0);
     estop_n         : in    std_ulogic;
     drive_valid     : out   std_ulogic;
-    drive_current   : out   signed(outputs_c * current_bits_c - 1 downto 0);
+    drive_current   : out   signed(axes_c * current_bits_c - 1 downto 0);
     drive_enable    : out   std_ulogic;
-    brake_release   : out   std_ulogic_vector(inputs_c - 1 downto 0);
-    brake_engage    : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brake_release   : out   std_ulogic_vector(axes_c - 1 downto 0);
+    brake_engage    : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Brakes that both paths release.
-    brakes_open     : out   std_ulogic_vector(inputs_c - 1 downto 0);
+    brakes_open     : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Bits that cross to the core with a parity: settings, and behind them what is done once.
     watched_bits    : out   natural;
     -- The read-back of the axis is wrong; it follows at once otherwise.
-    brake_fails     : in    std_ulogic_vector(inputs_c - 1 downto 0) := (others => '0')
+    brake_fails     : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0')
   );
 end entity gc_system_bench;
 
 architecture sim of gc_system_bench is
 
-  signal a          : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal b          : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal z          : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal fed        : std_ulogic_vector(inputs_c - 1 downto 0);
-  signal true_count : signed(inputs_c * 32 - 1 downto 0);
+  signal a          : std_ulogic_vector(axes_c - 1 downto 0);
+  signal b          : std_ulogic_vector(axes_c - 1 downto 0);
+  signal z          : std_ulogic_vector(axes_c - 1 downto 0);
+  signal fed        : std_ulogic_vector(axes_c - 1 downto 0);
+  signal true_count : signed(axes_c * 32 - 1 downto 0);
 
   -- The test writes a word that crosses to *_bits, and reads its fields: cocotb sees no records.
   signal state_bits       : state_word_t;
@@ -96,7 +96,7 @@ architecture sim of gc_system_bench is
 
 begin
 
-  g_encoder : for i in 0 to inputs_c - 1 generate
+  g_encoder : for i in 0 to axes_c - 1 generate
 
     i_encoder : entity work.gc_encoder_model
       port map (

@@ -33,9 +33,9 @@ architecture sim of gc_vectors_bench is
   signal done      : boolean := false;
   signal in_valid  : std_ulogic := '0';
   signal in_ready  : std_ulogic;
-  signal in_count  : signed(inputs_c * count_bits_c - 1 downto 0) := (others => '0');
+  signal in_count  : signed(axes_c * count_bits_c - 1 downto 0) := (others => '0');
   signal out_valid : std_ulogic;
-  signal out_force : signed(outputs_c * force_bits_c - 1 downto 0);
+  signal out_force : signed(axes_c * force_bits_c - 1 downto 0);
 
   type integers_t is array (natural range <>) of integer;
 
@@ -90,7 +90,7 @@ begin
 
     file     source_v : text open read_mode is vectors_g;
     variable number_v : natural := 0;
-    variable vector_v : integers_t(0 to inputs_c + outputs_c - 1);
+    variable vector_v : integers_t(0 to axes_c + axes_c - 1);
 
   begin
 
@@ -104,7 +104,7 @@ begin
       wait until falling_edge(clk);
       in_valid <= '1';
 
-      for i in 0 to inputs_c - 1 loop
+      for i in 0 to axes_c - 1 loop
 
         in_count((i + 1) * count_bits_c - 1 downto i * count_bits_c) <= to_signed(vector_v(i), count_bits_c);
 
@@ -124,7 +124,7 @@ begin
 
     file     source_v : text open read_mode is vectors_g;
     variable number_v : natural := 0;
-    variable vector_v : integers_t(0 to inputs_c + outputs_c - 1);
+    variable vector_v : integers_t(0 to axes_c + axes_c - 1);
     variable force_v  : integer;
 
   begin
@@ -138,12 +138,12 @@ begin
         report "gc_vectors_bench: line " & integer'image(number_v) & ": no result"
         severity failure;
 
-      for i in 0 to outputs_c - 1 loop
+      for i in 0 to axes_c - 1 loop
 
         force_v := to_integer(out_force((i + 1) * force_bits_c - 1 downto i * force_bits_c));
-        assert force_v = vector_v(inputs_c + i)
+        assert force_v = vector_v(axes_c + i)
           report "gc_vectors_bench: line " & integer'image(number_v) & ": axis " & integer'image(i + 1) & ": "
-                 & integer'image(force_v) & " mN, not " & integer'image(vector_v(inputs_c + i))
+                 & integer'image(force_v) & " mN, not " & integer'image(vector_v(axes_c + i))
           severity failure;
 
       end loop;

@@ -8,6 +8,7 @@ library ieee;
 
 library work;
   use work.gc_facts_pkg.all;
+  use work.gc_network_pkg.all;
   use work.gc_system_pkg.all;
 
 entity gc_words_bench is
@@ -62,6 +63,24 @@ architecture sim of gc_words_bench is
 
   end function axis_values;
 
+  function axis_magnitudes (
+    number : natural
+  ) return axis_magnitudes_t is
+
+    variable magnitudes_v : axis_magnitudes_t;
+
+  begin
+
+    for i in axis_magnitudes_t'range loop
+
+      magnitudes_v(i) := value(number + 100 * i, 31);
+
+    end loop;
+
+    return magnitudes_v;
+
+  end function axis_magnitudes;
+
   constant commands_c : commands_t :=
   (
     start         => '1',
@@ -83,17 +102,13 @@ architecture sim of gc_words_bench is
   (
     enable            => '1',
     tick_enable       => '0',
-    home              => "110",
+    home              => value(51, axes_c),
     tick_clocks       => value(2, 32),
     weights           => value(3, 32),
-    current_limit     => value(4, 31),
-    current_slew      => value(5, 31),
-    period_min        => value(6, 31),
     saturation_clocks => value(7, 32),
     watchdog_clocks   => value(8, 32),
     result_clocks     => value(9, 32),
     brake_clocks      => value(10, 32),
-    command_bound     => value(14, 31),
     command_clocks    => value(15, 32),
     hold_clocks       => value(16, 32),
     brake_test_clocks => value(17, 32),
@@ -101,6 +116,10 @@ architecture sim of gc_words_bench is
     index_period      => axis_values(17),
     window_low        => axis_values(12),
     window_high       => axis_values(13),
+    current_limit     => axis_magnitudes(4),
+    current_slew      => axis_magnitudes(5),
+    command_bound     => axis_magnitudes(6),
+    period_min        => axis_magnitudes(14),
     commands          => commands_c,
     load              => load_c,
     parity            => value(18, held_words_c),
@@ -112,20 +131,20 @@ architecture sim of gc_words_bench is
     number         => value(20, 32),
     missed         => value(21, 32),
     safety         => state_run_c,
-    released       => "001",
+    released       => value(52, axes_c),
     run            => '1',
-    feedback       => "101",
+    feedback       => value(53, axes_c),
     busy           => '0',
-    clamped        => "010",
-    saturated      => "011",
-    limited        => "100",
-    reached        => "101",
-    deviates       => "110",
-    referenced     => "110",
-    illegal        => "001",
-    glitch         => "100",
-    speed_valid    => "011",
-    speed_zero     => "010",
+    clamped        => value(54, axes_c),
+    saturated      => value(55, axes_c),
+    limited        => value(56, axes_c),
+    reached        => value(57, axes_c),
+    deviates       => value(58, axes_c),
+    referenced     => value(59, axes_c),
+    illegal        => value(60, axes_c),
+    glitch         => value(61, axes_c),
+    speed_valid    => value(62, axes_c),
+    speed_zero     => value(63, axes_c),
     position       => axis_values(22),
     period         => axis_values(23),
     force_mn       => axis_values(24),
@@ -139,7 +158,7 @@ architecture sim of gc_words_bench is
     first_position => axis_values(31),
     enable         => '1',
     tick_enable    => '0',
-    home           => "101",
+    home           => value(64, axes_c),
     load_bad       => '1',
     load_waiting   => '0',
     bank           => "10",

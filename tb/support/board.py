@@ -70,7 +70,7 @@ class Board(System):
         await self.registers.write_axes("index_period", [self.period] * AXES)
         await self.registers.write("control", 0)
         await self.clocks(40)  # the core must see it: of two writes close together it may see only the second
-        await self.registers.write("control", 7 << 4)
+        await self.registers.write("control", self.homing)
         await self.clocks(40)
         for target in (INDEX - 8, INDEX + 8, INDEX):
             while set(self.position) != {target}:
@@ -82,12 +82,12 @@ class Board(System):
     async def run(self, pause: int = 250) -> None:
         """Home, pause so many clocks, tick and release the brakes; all is well then."""
         await self.home()
-        await self.registers.write("control", 7 << 4 | 2)
+        await self.registers.write("control", self.homing | 2)
         await self.registers.write("command", KICK)
         await self.clocks(pause)
         await self.registers.write("fault", ALL_FAULTS)
         await self.wait_for_state("braked")
-        await self.registers.write("control", 7 << 4 | 3)
+        await self.registers.write("control", self.homing | 3)
         await self.wait_for_state("run")
         assert self.is_released()
         assert await self.registers.read("fault") == 0

@@ -29,8 +29,9 @@ class ModelCore:
         self._by_address = {r.address + 4 * k: (name, r) for name, r in self.map.items() for k in range(r.count)}
         for name, register in self.map.items():
             given = values.get(name, register.reset)
+            words = given if isinstance(given, list) else [given] * register.count  # fewer than eight axes
             for k in range(register.count):
-                self.words[register.address + 4 * k] = given[k] if isinstance(given, list) else given
+                self.words[register.address + 4 * k] = words[k] if k < len(words) else 0
         self.image, self.is_loadable, self.is_unlocked, self.bank, self.bad = [], True, False, 0, False
         self.accepts, self.start = True, time.monotonic()
 

@@ -63,7 +63,8 @@ def core_forces(positions: list[Taylor], fixed: FixedNetwork, drive: Drive) -> E
 def _inputs(positions: list[Taylor], fixed: FixedNetwork, drive: Drive) -> tuple[Taylor, np.ndarray]:
     """x of all axes as one model (n, N), in the middle of what truncation leaves, and how far x can be from it."""
     per_code = np.ldexp(fixed.input_scale.astype(float), -fixed.input_scale_fraction - fixed.x_fraction)[:, None]
-    per_count, dropped = per_code / 2.0**fixed.count_shift, (2.0**fixed.count_shift - 1) / 2
+    codes = 2.0 ** fixed.count_shift[:, None]
+    per_count, dropped = per_code / codes, (codes - 1) / 2
     lsb = 2.0**-fixed.x_fraction
     model = _joined(positions)
     factor = per_count * drive.counts_per_unit[:, None]
@@ -168,7 +169,7 @@ def _output_sum(h: Taylor, h_middle: np.ndarray, error: np.ndarray, v: np.ndarra
 
 def _force(y: Taylor, axis: int, fixed: FixedNetwork) -> Taylor:
     """Force or torque of an axis, N or Nm, in the middle of the last truncation."""
-    mn = float(np.ldexp(float(fixed.output_scale[axis]), fixed.y_fraction - fixed.output_scale_fraction))
+    mn = float(np.ldexp(float(fixed.output_scale[axis]), fixed.y_fraction - fixed.output_scale_fraction[axis]))
     force_mn = Taylor(y.n, y.c[:, axis], y.radius[axis]) * mn - 0.5
     force_mn.radius = force_mn.radius + 0.5
     return force_mn * 1e-3

@@ -56,14 +56,16 @@ class FixedNetwork:
 
     inputs (n,): position or sin_cos. coarse_step, fine_step (n,): turns per 2^16 counts and per count of a sin_cos
     axis, modulo a turn, STEP_BITS fraction bits; 0 for the others.
-    count_low, count_high (n,): clamp, encoder counts; of a sin_cos axis all. count_shift: bits of the count dropped
-    before scaling.
-    input_scale (n,), input_scale_fraction: x = count_code * input_scale >> input_scale_fraction, x_fraction bits.
+    count_low, count_high (n,): clamp, encoder counts; of a sin_cos axis all. count_shift (n,): bits of the count
+    dropped before scaling.
+    input_scale, input_scale_fraction (n,): x = count_code * input_scale >> input_scale_fraction, x_fraction bits.
     x_low, x_high (p,): lowest and highest code of x over all encoder counts.
     hidden_weights (h, p) with weight_fraction; hidden_bias (h,) with x_fraction + weight_fraction.
     output_weights (n, h) with output_weight_fraction; output_bias (n,) with that + HIDDEN_FRACTION.
-    output_scale (n,), output_scale_fraction: force in mN = y * output_scale >> output_scale_fraction, y_fraction bits.
-    current_scale (n,), current_scale_fraction: current in uA = force in mN * current_scale >> current_scale_fraction.
+    output_scale, output_scale_fraction (n,): effort, mN or mNm, = y * output_scale >> output_scale_fraction, y of
+    y_fraction bits.
+    current_scale, current_scale_fraction (n,): current in uA = effort * current_scale >> current_scale_fraction, which
+    saturates.
     hidden_sum_bits, output_sum_bits: widths in which no partial sum can overflow for any count (see bounds).
     """
 
@@ -72,9 +74,9 @@ class FixedNetwork:
     fine_step: np.ndarray
     count_low: np.ndarray
     count_high: np.ndarray
-    count_shift: int
+    count_shift: np.ndarray
     input_scale: np.ndarray
-    input_scale_fraction: int
+    input_scale_fraction: np.ndarray
     x_fraction: int
     x_low: np.ndarray
     x_high: np.ndarray
@@ -88,9 +90,9 @@ class FixedNetwork:
     output_sum_bits: int
     y_fraction: int
     output_scale: np.ndarray
-    output_scale_fraction: int
+    output_scale_fraction: np.ndarray
     current_scale: np.ndarray
-    current_scale_fraction: int
+    current_scale_fraction: np.ndarray
 
     @property
     def n_hidden(self) -> int:
@@ -148,14 +150,10 @@ def quantise(
     hidden = _hidden_stage(network, drive, inputs, folder / HIDDEN_CSV, kept)
     outputs = _output_stage(network, folder, kept)
     where = f"{folder / ROBOT_TOML}: axis {{row}}: effort_per_ampere"
-    current_scale, current_scale_fraction = _scale(
-        1000.0 / drive.effort_per_ampere, where, kept.get("current_scale_fraction")
+    # At least one bit, as the current is rounded.
+    current_scale, current_scale_fraction = _scales(
+        1000.0 / drive.effort_per_ampere, where, kept.get("current_scale_fraction"), least=1
     )
-    if FORCE_BITS + OPERAND_BITS - 1 - current_scale_fraction > CURRENT_BITS:
-        row = int(np.argmin(drive.effort_per_ampere))
-        raise InputError(
-            f"{where.format(row=row + 1)} = {drive.effort_per_ampere[row]:g}: currents exceed {CURRENT_BITS} bits of uA"
-        )
     return FixedNetwork(
         **inputs,
         **hidden,
@@ -189,12 +187,12 @@ def _input_stage(network: Network, drive: Drive, path: Path, kept: Mapping) -> d
             f"{path}: row {row}, column q_offset: not 0, but the input is sin_cos; turn the weights instead"
         )
     low, high = _clamp(network, drive, is_phase, path)
-    count_shift = _count_shift(low[~is_phase], high[~is_phase], path, kept.get("count_shift"))
+    count_shift = _count_shift(np.where(is_phase, 0, low), np.where(is_phase, 0, high), path, kept.get("count_shift"))
     x_offset = network.q_offset * network.q_scale
     x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset"], kept.get("x_fraction"))
     per_code = 2.0**count_shift * drive.unit_per_count * network.q_scale * 2.0**x_fraction
     where = f"{path}: row {{row}}, column q_scale"
-    input_scale, input_scale_fraction = _scale(per_code, where, kept.get("input_scale_fraction"), ~is_phase)
+    input_scale, input_scale_fraction = _scales(per_code, where, kept.get("input_scale_fraction"), used=~is_phase)
     # Clamp and scale are monotonic: the ends of the trained range give the ends of x.
     x_low, x_high = ((end >> count_shift) * input_scale >> input_scale_fraction for end in (low, high))
     most = (2**SIN_COS_FRACTION - 1) >> SIN_COS_FRACTION - x_fraction
@@ -286,12 +284,13 @@ def _output_stage(network: Network, folder: Path, kept: Mapping) -> dict:
     y_largest = (np.abs(f_ratio)[:, None] + 1.0) * OUTPUT_HEADROOM
     y_fraction = _fraction_for(y_largest, scaling, ["f_offset / f_scale"], kept.get("y_fraction"))
     where = f"{scaling}: row {{row}}, column f_scale"
-    output_scale, scale_fraction = _scale(
+    output_scale, scale_fraction = _scales(
         1000.0 * network.f_scale * 2.0**-y_fraction, where, kept.get("output_scale_fraction")
     )
-    if 2 * OPERAND_BITS - 1 - scale_fraction > FORCE_BITS:
-        row = 1 + int(np.argmax(network.f_scale))
-        raise InputError(f"{where.format(row=row)}: forces exceed {FORCE_BITS} bits of mN; give a smaller scale")
+    for row in np.flatnonzero(2 * OPERAND_BITS - 1 - scale_fraction > FORCE_BITS):
+        raise InputError(
+            f"{where.format(row=row + 1)}: efforts exceed {FORCE_BITS} bits of mN or mNm; give a smaller scale"
+        )
     # The halves of what truncation drops from h, from y, and from the force in mN.
     lacks = (
         weights.sum(axis=1) * 2.0 ** -(weight_fraction + HIDDEN_FRACTION + 1)
@@ -315,15 +314,18 @@ def _output_stage(network: Network, folder: Path, kept: Mapping) -> dict:
     }
 
 
-def _count_shift(low: np.ndarray, high: np.ndarray, path: Path, kept: int | None) -> int:
-    """Bits of the count to drop so that the limits of every axis fit an operand, or those that the core drops."""
-    least = max(0, bits_for(int(low.min(initial=0)), int(high.max(initial=0))) - OPERAND_BITS)
-    if kept is not None and least > kept:
+def _count_shift(low: np.ndarray, high: np.ndarray, path: Path, kept: np.ndarray | None) -> np.ndarray:
+    """Bits of each axis' count (n,) to drop so that its limits fit an operand, or those that the core drops."""
+    needed = [bits_for(int(ends[0]), int(ends[1])) for ends in zip(low, high, strict=True)]
+    least = np.maximum(0, np.array(needed, dtype=np.int64) - OPERAND_BITS)
+    if kept is None:
+        return least
+    for row in np.flatnonzero(least > kept):
         raise InputError(
-            f"{path}: column q_scale: the trained range is wider than the {OPERAND_BITS + kept} bits of counts "
-            "that the core takes; give larger scales"
+            f"{path}: row {row + 1}, column q_scale: the trained range is wider than the {OPERAND_BITS + kept[row]} "
+            "bits of counts that the core takes; give a larger scale"
         )
-    return least if kept is None else kept
+    return kept
 
 
 def _fraction_for(values: np.ndarray, path: Path, columns: list[str], kept: int | None = None) -> int:
@@ -366,25 +368,29 @@ def _sum_bits(interval: tuple[int, int], drop: int, path: Path, kept: int | None
     return kept or bits
 
 
-def _scale(factors: np.ndarray, where: str, kept: int | None, used: np.ndarray | None = None) -> tuple[np.ndarray, int]:
-    """Positive factors as 18-bit codes with one common fraction; where names a factor, with {row} for its number.
+def _scales(
+    factors: np.ndarray, where: str, kept: np.ndarray | None, used: np.ndarray | None = None, least: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positive factors (n,) as 18-bit codes and their fraction bits, (n,) each: as many as fit, at least so many, or
+    kept ones.
 
-    Those that are not used get the code 0.
+    where names a factor, with {row} for its number. Those that are not used get the code 0.
     """
-    if used is not None and not used.all():
-        codes = np.zeros(len(factors), dtype=np.int64)
-        fraction = kept or 0
-        if used.any():
-            codes[used], fraction = _scale(factors[used], where, kept)
-        return codes, fraction
-    largest = float(factors.max())
-    fraction = math.floor(math.log2(_OPERAND_MAX) - math.log2(largest)) if 0 < largest < math.inf else -1
-    if not (kept or 0) <= fraction <= _SCALE_FRACTION_MAX:
-        row = int(np.argmax(factors))
-        raise InputError(f"{where.format(row=row + 1)} is too large or small for {OPERAND_BITS} bits; check its unit")
-    fraction = fraction if kept is None else kept
-    codes = _codes(factors, fraction)
-    if codes.min() < _SCALE_CODE_MIN:
-        row = int(np.argmin(factors))
-        raise InputError(f"{where.format(row=row + 1)} is too small for the format of the largest; give similar scales")
-    return codes, fraction
+    codes, fractions = np.zeros(len(factors), dtype=np.int64), np.zeros(len(factors), dtype=np.int64)
+    for i in range(len(factors)) if used is None else np.flatnonzero(used):
+        floor = least if kept is None else int(kept[i])
+        codes[i], fractions[i] = _scale(float(factors[i]), where.format(row=i + 1), floor, kept is not None)
+    return codes, fractions
+
+
+def _scale(factor: float, where: str, least: int, is_kept: bool) -> tuple[int, int]:
+    """A factor as a code and its fraction bits: as many as fit, or with is_kept the least."""
+    most = math.floor(math.log2(_OPERAND_MAX) - math.log2(factor)) if 0 < factor < math.inf else -1
+    if not least <= most:
+        raise InputError(f"{where} is too large or small for {OPERAND_BITS} bits; check its unit")
+    fraction = least if is_kept else min(most, _SCALE_FRACTION_MAX)
+    code = round(factor * 2.0**fraction)
+    if code < _SCALE_CODE_MIN:
+        how = "for the format of the core; give a scale like that of its ROM" if is_kept else "; check its unit"
+        raise InputError(f"{where} is too small {how}".replace(" ;", ";"))
+    return code, fraction

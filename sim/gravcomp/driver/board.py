@@ -19,15 +19,14 @@ from gravcomp.driver.host import Host, Identity, Result, Settings, State, machin
 from gravcomp.driver.registers import read_registers
 from gravcomp.driver.serial_bus import Line, Refused, SerialBus
 from gravcomp.errors import InputError
-from gravcomp.facts import AXES, Cause
+from gravcomp.facts import Cause
 from gravcomp.facts import State as Brakes
 from gravcomp.robot.machine import load_machine
 from gravcomp.twin.modbus import Count
 
-ALL_AXES = (1 << AXES) - 1
 POLLS = 200  # until the brakes are released, the first result has come or an image is in use
 # Exchanges from kick to kick, at most; what the watchdog must wait for.
-EXCHANGES_PER_KICK = 16
+EXCHANGES_PER_KICK = 10
 NO_REGISTER = 0xFFC
 CLOCK_TOLERANCE = 0.01  # a crystal is a hundred times better, another clock a good deal worse
 # What to do about a fault; the others say it in docs/guide/safety.md.
@@ -72,6 +71,7 @@ class Board:
             self.close()
             raise
         self.identity: Identity = identity
+        self.all_axes = (1 << identity.axes) - 1
 
     def close(self) -> None:
         self.bus.close()
@@ -96,6 +96,10 @@ class Board:
         """InputError unless the core's ROM is that of the machine folder."""
         expected, identity = machine_settings(folder), self.identity
         mend = "give the folder that it was built with, or build it with this one"
+        if expected["axes"] != identity.axes:
+            raise InputError(
+                f"{self.bus.line}: its axes are {identity.axes}, those of {folder} {expected['axes']}; {mend}"
+            )
         if expected["clock_hz"] != identity.clock_hz:
             raise InputError(
                 f"{self.bus.line}: its clock is {identity.clock_hz} Hz, that of {folder} {expected['clock_hz']}; {mend}"
@@ -134,9 +138,9 @@ class Board:
     def home(self, settings: Settings) -> Iterator[State]:
         """Arm homing; the state, again and again, until every axis was moved over its index by hand."""
         self.configure(settings)
-        self._done(self.host.home(ALL_AXES))
+        self._done(self.host.home(self.all_axes))
         self._done(self.host.tick(True))
-        while (state := self.host.read()).referenced != ALL_AXES:
+        while (state := self.host.read()).referenced != self.all_axes:
             yield state
         yield state
 
@@ -149,7 +153,7 @@ class Board:
         self.configure(settings)
         self._done(self.host.tick(True))
         state = self.host.read()
-        if missing := ALL_AXES & ~state.referenced:
+        if missing := self.all_axes & ~state.referenced:
             raise InputError(f"{self.bus.line}: axes {_axes(missing)} have not passed their index; start `home` first")
         try:
             if self.host.release(POLLS) != Result.OK:
@@ -276,8 +280,9 @@ class Board:
 def load_limits(path: Path, folder: Path | str) -> Settings:
     """The Settings in a TOML file of limits, for the core of a machine folder, which tells the rest.
 
-    Keys are the fields of Settings but clock_hz, expected_weights and index_period. Raises InputError for a key that is
-    missing, unknown, or no whole number in its range, and as load_machine does.
+    Keys are the fields of Settings but axes, clock_hz, expected_weights and index_period; what each axis has of its own
+    is one number for all or one per axis in brackets. Raises InputError for a key that is missing, unknown, or no whole
+    number in its range, and as load_machine does.
     """
     machine = machine_settings(folder) | {"index_period": tuple(a.index_period for a in load_machine(folder).axes)}
     try:
@@ -292,20 +297,23 @@ def load_limits(path: Path, folder: Path | str) -> Settings:
     values = {}
     for field in asked:
         if field.name in table:
-            values[field.name] = _limit(path, field.name, table[field.name])
+            n_axes = machine["axes"] if field.type == tuple[int, ...] else None
+            values[field.name] = _limit(path, field.name, table[field.name], n_axes)
         elif field.name != "brake_test_us":
             raise InputError(f"{path}: {field.name} is missing; add it")
     return Settings(**values, **machine)
 
 
-def _limit(path: Path, name: str, value) -> int | tuple[int, ...]:
-    if name == "index_position":
-        if not isinstance(value, list) or len(value) != AXES or not all(_is_count(v, -(2**31)) for v in value):
-            raise InputError(f"{path}: {name}: need {AXES} counts in brackets, one per axis")
+def _limit(path: Path, name: str, value, n_axes: int | None) -> int | tuple[int, ...]:
+    """A value of Settings; n_axes: of a limit that each axis has, else None."""
+    low = -(2**31) if name == "index_position" else 0
+    if n_axes and isinstance(value, list):
+        if len(value) != n_axes or not all(_is_count(v, low) for v in value):
+            raise InputError(f"{path}: {name}: need {n_axes} whole numbers in brackets, one per axis")
         return tuple(value)
-    if not _is_count(value, 0):
-        raise InputError(f"{path}: {name}: need a whole number from 0 to 4294967295")
-    return value
+    if not _is_count(value, low):
+        raise InputError(f"{path}: {name}: need a whole number from {low} to {low + 2**32 - 1}")
+    return (value,) * n_axes if n_axes else value
 
 
 def _is_count(value, low: int) -> bool:
@@ -314,4 +322,4 @@ def _is_count(value, low: int) -> bool:
 
 def _axes(mask: int) -> str:
     """Axes of a set, as a user counts them."""
-    return ", ".join(str(axis + 1) for axis in range(AXES) if mask >> axis & 1)
+    return ", ".join(str(axis + 1) for axis in range(mask.bit_length()) if mask >> axis & 1)

@@ -5,22 +5,25 @@ read several at once, read_run(offset, n) -> words. An image is what `gravcomp i
 """
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from enum import IntEnum
+from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
 from gravcomp.core.folder import folder_hash
 from gravcomp.driver.registers import read_registers
-from gravcomp.facts import AXES, LOAD_KEY, WORDS_PER_KICK, Event
+from gravcomp.facts import LOAD_KEY, MAX_AXES, WORDS_PER_KICK, Event
 from gravcomp.facts import State as Brakes
 from gravcomp.robot.machine import load_machine
 from gravcomp.twin.encoder import DecoderConfig
 
 CONTROL_POLLS = 1000
+HASH_WORDS = 8
 WORD_MAX = 2**32 - 1
 PERIOD_MAX = MAGNITUDE_MAX = 2**31 - 1
+WRONG_AXES = "axes: not those of the core; give those of the machine folder of its ROM, or build it with your ROM"
 WRONG_CLOCK = "clock_hz: not that of the core; give that of the machine folder of its ROM, or build it with your ROM"
 
 
@@ -38,7 +41,7 @@ class Result(IntEnum):
     TOO_FAST: Settings.speed_max_counts_per_s is more than the core can measure with its encoder filter. BAD_PERIOD:
     Settings.index_period is not a multiple of 4.
     UNUSABLE: settings with which the brakes can never be released, see complaint. WRONG_CLOCK: Settings.clock_hz is not
-    that of the core.
+    that of the core. WRONG_AXES: the core has another number of axes than the machine.
     """
 
     OK = 0
@@ -52,15 +55,18 @@ class Result(IntEnum):
     BAD_PERIOD = 8
     UNUSABLE = 9
     WRONG_CLOCK = 10
+    WRONG_AXES = 11
 
 
 @dataclass(frozen=True)
 class Identity:
-    """What does not change: sizes, Hz of the core's clock, SHA-256 in eight words, trained range in counts.
+    """What does not change: axes, neurons and neurons per clock, Hz of the core's clock, SHA-256 in eight words,
+    trained range in counts.
 
     filter_samples: clocks that a level of an encoder must last.
     """
 
+    axes: int
     hidden: int
     lanes: int
     clock_hz: int
@@ -83,20 +89,21 @@ class Settings:
     brake_test_us is that of a phase of the test of a brake, 0 without a test.
     """
 
+    axes: int
     clock_hz: int
     expected_weights: int
     index_position: tuple[int, ...]
     index_period: tuple[int, ...]
-    margin_counts: int
-    speed_max_counts_per_s: int
-    current_limit_ua: int
-    current_slew_ua: int
+    margin_counts: tuple[int, ...]
+    speed_max_counts_per_s: tuple[int, ...]
+    current_limit_ua: tuple[int, ...]
+    current_slew_ua: tuple[int, ...]
+    command_bound_ua: tuple[int, ...]
     tick_us: int
     saturation_us: int
     watchdog_us: int
     result_us: int
     brake_us: int
-    command_bound_ua: int
     command_us: int
     hold_us: int
     brake_test_us: int = 0
@@ -137,10 +144,17 @@ class State:
 def machine_settings(folder: Path | str) -> dict[str, int]:
     """What the Settings of a machine folder's core hold of it. Raises InputError as load_machine and folder_hash do."""
     machine = load_machine(folder)
-    return {"clock_hz": int(machine.clock_hz), "expected_weights": int(folder_hash(folder, machine)[:8], 16)}
+    return {
+        "axes": machine.n_axes,
+        "clock_hz": int(machine.clock_hz),
+        "expected_weights": int(folder_hash(folder, machine)[:8], 16),
+    }
 
 
-_STATUS = {"brakes": "state", "released": "released", "run": "run", "busy": "busy"}
+# Registers of one word in the order of their addresses, and those whose fields are fields of a State.
+_FLAGS = ("status", "result_flags", "command_flags", "encoder_flags", "speed_flags")
+STATE_WORDS = ("result_number", "missed_ticks", *_FLAGS, "cause", "fault", "first_cause")
+_PER_AXIS = tuple(field.name for field in fields(Settings) if field.type == tuple[int, ...])
 
 
 class Host:
@@ -155,46 +169,52 @@ class Host:
             return Result.NOT_FOUND, None
         if self._read("version") >> 8 != self._map["version"].reset >> 8:
             return Result.WRONG_VERSION, None
+        if self._n_axes > MAX_AXES:
+            return Result.WRONG_VERSION, None
         geometry = self._read("geometry")
         return Result.OK, Identity(
+            axes=self._n_axes,
             hidden=self._map["geometry"].field("hidden", geometry),
             lanes=self._map["geometry"].field("lanes", geometry),
             clock_hz=self._read("clock_hz"),
             filter_samples=self._map["encoder_geometry"].field("filter_samples", self._read("encoder_geometry")),
-            weights_hash=self._words("weights_hash"),
-            compensation_hash=self._words("compensation_hash"),
+            weights_hash=self._words("weights_hash", HASH_WORDS),
+            compensation_hash=self._words("compensation_hash", HASH_WORDS),
             trained_low=self._axes("trained_low"),
             trained_high=self._axes("trained_high"),
         )
 
     def complaint(self, identity: Identity, settings: Settings) -> str | None:
-        hz, limit, slew = identity.clock_hz, settings.current_limit_ua, settings.current_slew_ua
+        hz = identity.clock_hz
+        if settings.axes != identity.axes:
+            return WRONG_AXES
+        for name in _PER_AXIS:
+            if len(getattr(settings, name)) != settings.axes:
+                return f"{name}: {len(getattr(settings, name))} values; give one for each of {settings.axes} axes"
         if settings.clock_hz != hz:
             return WRONG_CLOCK
-        for name in ("current_limit_ua", "current_slew_ua", "command_bound_ua"):
-            if getattr(settings, name) > MAGNITUDE_MAX:
-                return f"{name}: above 2147483647"
-        if limit == 0:
-            return "current_limit_ua: 0 carries no load"
-        if slew == 0:
-            return "current_slew_ua: 0 never reaches current_limit_ua"
+        for limit, slew, bound in _currents(settings):
+            if line := _current_complaint(limit, slew, bound):
+                return line
         if self._is_too_fast(identity, settings):
             return "speed_max_counts_per_s: more than the core can measure with its encoder filter"
         if any(period % 4 for period in settings.index_period):
             return "index_period: not a multiple of 4"
-        results = (limit + slew - 1) // slew + 1
+        results = max((limit + slew - 1) // slew + 1 for limit, slew, _ in _currents(settings))
         ramp = results * _clocks(hz, settings.tick_us) + _clocks(hz, settings.brake_us)
         if test := _clocks(hz, settings.brake_test_us):
-            ramp += 4 * AXES * (test + 2) + 1
+            ramp += 4 * identity.axes * (test + 2) + 1
         if ramp > _clocks(hz, settings.hold_us):
             return "hold_us: shorter than the slew from 0 to current_limit_ua, brake_us and the test of the brakes"
         return None
 
     def _is_too_fast(self, identity: Identity, settings: Settings) -> bool:
         shortest = DecoderConfig(filter_samples=identity.filter_samples).shortest_period
-        return settings.speed_max_counts_per_s > 0 and _period_min(identity, settings) <= shortest
+        return any(speed > 0 and _period_min(identity, speed) <= shortest for speed in settings.speed_max_counts_per_s)
 
     def configure(self, identity: Identity, settings: Settings) -> Result:
+        if settings.axes != identity.axes:
+            return Result.WRONG_AXES
         if settings.clock_hz != identity.clock_hz:
             return Result.WRONG_CLOCK
         if self._is_too_fast(identity, settings):
@@ -206,17 +226,16 @@ class Host:
         hz = identity.clock_hz
         self._write("expected_weights", settings.expected_weights)
         self._write("tick_clocks", _clocks(hz, settings.tick_us))
-        self._write("current_limit_ua", settings.current_limit_ua)
-        self._write("current_slew_ua", settings.current_slew_ua)
-        self._write("period_min_clocks", _period_min(identity, settings))
-        self._write("command_bound_ua", settings.command_bound_ua)
         for name in ("saturation", "watchdog", "result", "brake", "command", "hold", "brake_test"):
             self._write(f"{name}_clocks", _clocks(hz, getattr(settings, f"{name}_us")))
-        for axis in range(AXES):
+        for axis in range(identity.axes):
             self._write("index_position", settings.index_position[axis], axis)
             self._write("index_period", settings.index_period[axis], axis)
-            self._write("window_low", identity.trained_low[axis] - settings.margin_counts, axis)
-            self._write("window_high", identity.trained_high[axis] + settings.margin_counts, axis)
+            self._write("window_low", identity.trained_low[axis] - settings.margin_counts[axis], axis)
+            self._write("window_high", identity.trained_high[axis] + settings.margin_counts[axis], axis)
+            for name in ("current_limit_ua", "current_slew_ua", "command_bound_ua"):
+                self._write(name, getattr(settings, name)[axis], axis)
+            self._write("period_min_clocks", _period_min(identity, settings.speed_max_counts_per_s[axis]), axis)
         return Result.OK
 
     def home(self, axes: int) -> Result:
@@ -273,17 +292,14 @@ class Host:
         self._command("clear_encoder")
 
     def read(self) -> State:
-        values = {"result_number": self._read("result_number"), "missed_ticks": self._read("missed_ticks")}
-        status, flags = self._read("status"), self._read("axis_flags")
-        for name in (field.name for field in fields(State)):
-            if name in _STATUS:
-                values[name] = self._map["status"].field(_STATUS[name], status)
-            elif name in self._map["axis_flags"].fields:
-                values[name] = self._map["axis_flags"].field(name, flags)
-            elif self._map[name].count == AXES:
-                values[name] = self._axes(name)
-            elif name not in values:
-                values[name] = self._read(name)
+        # Its first word freezes the rest.
+        values = dict(zip(STATE_WORDS, self._words("result_number", len(STATE_WORDS)), strict=True))
+        for name in _FLAGS:
+            word, register = values.pop(name), self._map[name]
+            values |= {field: register.field(field, word) for field in register.fields}
+        values["brakes"] = values.pop("state")
+        for name in (field.name for field in fields(State) if field.name not in values):
+            values[name] = self._axes(name)
         return State(**values)
 
     def crc32(self, image: bytes) -> int:
@@ -334,14 +350,17 @@ class Host:
     def _write(self, name: str, word: int, axis: int = 0) -> None:
         self._bus.write(self._map[name].address + 4 * axis, word & WORD_MAX)
 
-    def _words(self, name: str) -> tuple[int, ...]:
-        register = self._map[name]
+    def _words(self, name: str, count: int) -> tuple[int, ...]:
         if read_run := getattr(self._bus, "read_run", None):
-            return tuple(read_run(register.address, register.count))
-        return tuple(self._read(name, i) for i in range(register.count))
+            return tuple(read_run(self._map[name].address, count))
+        return tuple(self._read(name, i) for i in range(count))
+
+    @cached_property
+    def _n_axes(self) -> int:
+        return self._map["geometry"].field("outputs", self._read("geometry"))
 
     def _axes(self, name: str) -> tuple[int, ...]:
-        return tuple(word - (word >> 31 << 32) for word in self._words(name))
+        return tuple(word - (word >> 31 << 32) for word in self._words(name, self._n_axes))
 
     def _loader(self, field: str) -> int:
         return self._map["load_status"].field(field, self._read("load_status"))
@@ -375,8 +394,23 @@ class Host:
         return self._map["status"].field("state", status), self._read("cause")
 
 
-def _period_min(identity: Identity, settings: Settings) -> int:
-    speed = settings.speed_max_counts_per_s
+def _currents(settings: Settings) -> Iterator[tuple[int, int, int]]:
+    """Limit, slew and bound of each axis."""
+    return zip(settings.current_limit_ua, settings.current_slew_ua, settings.command_bound_ua, strict=True)
+
+
+def _current_complaint(limit: int, slew: int, bound: int) -> str | None:
+    for name, value in (("current_limit_ua", limit), ("current_slew_ua", slew), ("command_bound_ua", bound)):
+        if value > MAGNITUDE_MAX:
+            return f"{name}: above 2147483647"
+    if limit == 0:
+        return "current_limit_ua: 0 carries no load"
+    if slew == 0:
+        return "current_slew_ua: 0 never reaches current_limit_ua"
+    return None
+
+
+def _period_min(identity: Identity, speed: int) -> int:
     return min(4 * identity.clock_hz // speed, PERIOD_MAX) if speed else 0
 
 

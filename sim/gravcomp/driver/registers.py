@@ -1,4 +1,4 @@
-"""The register map of gc_system, from the IP-XACT component beside the VHDL."""
+"""The register map of gc_system of 8 axes, from IP-XACT; fewer axes use the same addresses."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 from gravcomp.errors import InputError
 from gravcomp.shipped import shipped
 
-IPXACT = shipped("rtl/component.xml")
+REGISTERS_XML = shipped("rtl/registers/gc_registers.xml")
 SPIRIT = "http://www.spiritconsortium.org/XMLSchema/SPIRIT/1685-2009"
 _XML = {"x": SPIRIT}
 
@@ -33,7 +33,7 @@ class Register:
         return word >> low & (1 << width) - 1
 
 
-def read_registers(path: Path = IPXACT) -> dict[str, Register]:
+def read_registers(path: Path = REGISTERS_XML) -> dict[str, Register]:
     """The registers by name, in the order of their addresses. Raises InputError when the file is not as written."""
     try:
         elements = ElementTree.parse(path).getroot().iterfind(".//x:register", _XML)

@@ -12,7 +12,6 @@ from pathlib import Path
 from gravcomp.core.compensation import COMPENSATION_CSV
 from gravcomp.core.provenance import PROVENANCE_JSON
 from gravcomp.core.vhdl.network_package import rom_files, write_rom
-from gravcomp.driver.host import AXES
 from gravcomp.errors import InputError
 from gravcomp.files import new_folder, write_all_atomically
 from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV
@@ -26,14 +25,8 @@ MACHINE = "weights/mine"
 _GENERATED = "rtl/generated"
 _TRAINED = (HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, COMPENSATION_CSV, PROVENANCE_JSON)
 _OWN = ("Makefile", "README.md")
-# gc_system and what describes it have AXES axes; this top and all before it in sources.f take those of the ROM.
-_SYSTEM, _ANY_AXES = "gc_system", "gc_force_path"
-_OF_SYSTEM = (
-    "gravcomp.core",
-    "rtl/component.xml",
-    "rtl/component.tcl",
-    *(f"constraints/gc_system.{x}" for x in ("xdc", "sdc")),
-)
+# The IP-XACT component is that of the machine that the repository ships: its ports are as wide as there are axes.
+_COMPONENT_AXES, _COMPONENT = 3, ("rtl/component.xml", "rtl/component.tcl")
 
 
 def machine_named(text: str) -> Path:
@@ -81,10 +74,10 @@ def _write_tools(draft: Path, n_axes: int) -> None:
     """All of a project but the machine and its ROM."""
     for name in SHIPPED:
         _copy(shipped(name), draft / name)
-    if n_axes != AXES:
-        _leave_out_system(draft)
+    for name in _COMPONENT if n_axes != _COMPONENT_AXES else ():
+        (draft / name).unlink()
     for name in _OWN:
-        (draft / name).write_text(_own(name, n_axes), encoding="utf-8")
+        (draft / name).write_text(_own(name), encoding="utf-8")
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -95,17 +88,7 @@ def _copy(source: Path, target: Path) -> None:
         shutil.copyfile(source, target)
 
 
-def _leave_out_system(draft: Path) -> None:
-    sources = draft / "rtl" / "sources.f"
-    names = sources.read_text().split()
-    n_kept = names.index(f"system/{_ANY_AXES}.vhd") + 1
-    sources.write_text("".join(f"{name}\n" for name in names[:n_kept]))
-    for name in (*_OF_SYSTEM, *(f"rtl/{name}" for name in names[n_kept:])):
-        (draft / name).unlink()
-
-
-def _own(name: str, n_axes: int) -> str:
-    """A file that is no copy; the Makefile knows where gravcomp is when no PATH leads to it, and the largest top."""
+def _own(name: str) -> str:
+    """A file that is no copy; the Makefile knows where gravcomp is when no PATH leads to it."""
     text = files(__package__).joinpath(name).read_text(encoding="utf-8")
-    top = _SYSTEM if n_axes == AXES else _ANY_AXES
-    return text.replace("@PYTHON@", shlex.quote(sys.executable).replace("$", "$$")).replace("@TOP@", top)
+    return text.replace("@PYTHON@", shlex.quote(sys.executable).replace("$", "$$"))

@@ -39,12 +39,9 @@ def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
     # Gamma rises with a over the whole format: its ends are those of a.
     h = tuple(int(bittrue.activation(np.array(edge))) for edge in (-half, half - 1))
     output_sum = partial_sum_interval(fixed.output_weights, fixed.output_bias, *h)
-    scale = int(fixed.output_scale.max())
-    force = tuple(y * scale >> fixed.output_scale_fraction for y in (-half, half - 1))
-    rounding = 1 << fixed.current_scale_fraction - 1
+    force = [y * fixed.output_scale >> fixed.output_scale_fraction for y in (-half, half - 1)]
     full_force = 2 ** (q.FORCE_BITS - 1)
-    per_mn = int(fixed.current_scale.max())
-    current = tuple(f * per_mn + rounding >> fixed.current_scale_fraction for f in (-full_force, full_force - 1))
+    current = [bittrue.current_scaler(np.array(f), fixed) for f in (-full_force, full_force - 1)]
     return {
         **_input_intervals(fixed),
         "x": Interval(int(fixed.x_low.min()), int(fixed.x_high.max()), q.OPERAND_BITS),
@@ -52,8 +49,8 @@ def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
         "slope of Gamma": Interval(*slope, q.OPERAND_BITS),
         "h": Interval(*h, q.OPERAND_BITS),
         "output sum": Interval(*output_sum, fixed.output_sum_bits),
-        "force, mN": Interval(*force, q.FORCE_BITS),
-        "current, uA": Interval(*current, q.CURRENT_BITS),
+        "force, mN": Interval(int(force[0].min()), int(force[1].max()), q.FORCE_BITS),
+        "current, uA": Interval(int(current[0].min()), int(current[1].max()), q.CURRENT_BITS),
     }
 
 
@@ -61,7 +58,7 @@ def _input_intervals(fixed: FixedNetwork) -> dict[str, Interval]:
     """What comes before x, of positions and of axes that turn."""
     found, is_turning = {}, fixed.is_turning
     if not is_turning.all():
-        low, high = (end[~is_turning] >> fixed.count_shift for end in (fixed.count_low, fixed.count_high))
+        low, high = ((end >> fixed.count_shift)[~is_turning] for end in (fixed.count_low, fixed.count_high))
         found["count code"] = Interval(int(low.min()), int(high.max()), q.OPERAND_BITS)
     if is_turning.any():
         rest = 2 ** (REST_BITS - 1)

@@ -15,8 +15,8 @@ LATENCY = DRIVE_CLOCKS  # also the fewest clocks between two results that are bo
 def drive(inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """gc_drive: its outputs by port name, from all its inputs but clk by port name.
 
-    in_current and out_current (clocks, axes), uA, int64; in_clipped, out_limited, out_reached and out_deviates
-    (clocks, axes); others (clocks,).
+    in_current, out_current, cfg_limit, cfg_slew and cfg_bound (clocks, axes), uA, int64; in_clipped, out_limited,
+    out_reached and out_deviates (clocks, axes); others (clocks,).
     """
     asked_ua = inputs["in_current"]
     names = ("out_current", "out_limited", "out_reached", "out_deviates")
@@ -35,8 +35,9 @@ class _Drive:
     """A clock at a time: command, whether it is new, and its flags."""
 
     def __init__(self, n_axes: int) -> None:
-        self._limit = self._slew = self._bound = 0
-        self._asked = self._step = self._limited = self._reached = np.zeros(n_axes, np.int64)
+        self._limit = self._slew = self._bound = self._asked = self._step = self._limited = self._reached = np.zeros(
+            n_axes, np.int64
+        )
         self._stop()
 
     def _stop(self) -> None:

@@ -90,6 +90,18 @@ def core(count: np.ndarray, fixed: FixedNetwork) -> CoreOutput:
 
 
 def current_scaler(force_mn: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
-    """gc_current_scaler: motor currents in uA (..., n), rounded, from forces in mN: i = f / K_t, K_t per axis."""
-    half = 2 ** (fixed.current_scale_fraction - 1)
+    """gc_current_scaler: motor currents in uA (..., n), rounded, from efforts in mN or mNm: i = f / K_t, K_t per axis.
+
+    A current that does not fit saturates; see current_saturates.
+    """
+    return saturate(_current(force_mn, fixed), q.CURRENT_BITS)[0]
+
+
+def current_saturates(force_mn: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
+    """Whether the motor current of each axis (..., n) does not fit, which counts as a saturated effort."""
+    return saturate(_current(force_mn, fixed), q.CURRENT_BITS)[1]
+
+
+def _current(force_mn: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
+    half = 1 << fixed.current_scale_fraction - 1
     return force_mn * fixed.current_scale + half >> fixed.current_scale_fraction

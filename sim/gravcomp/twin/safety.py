@@ -94,7 +94,7 @@ def _present(inputs: Mapping[str, np.ndarray], period_shortest: int) -> np.ndarr
     """All causes but the emergency stop and those of the load, one clock after they are at the inputs."""
     rst = inputs["rst"] != 0
     count, period = inputs["in_count"], inputs["in_period"]
-    period_min = np.concatenate(([0], inputs["cfg_period_min"][:-1]))
+    period_min = np.concatenate((np.zeros_like(period[:1]), inputs["cfg_period_min"][:-1]))
     limit = np.where(period_min == 0, NO_PERIOD, np.maximum(period_min, period_shortest + 1))
     low, high = inputs["cfg_count_low"], inputs["cfg_count_high"]
     flags = (
@@ -104,7 +104,7 @@ def _present(inputs: Mapping[str, np.ndarray], period_shortest: int) -> np.ndarr
         | (inputs["in_clock_bad"] != 0) << Cause.CLOCK
         | (inputs["in_core_bad"] != 0) << Cause.CORE
         | (inputs["in_upset"] != 0) << Cause.UPSET
-        | (np.abs(period) < limit[:, None]).any(axis=1) << Cause.SPEED
+        | (np.abs(period) < limit).any(axis=1) << Cause.SPEED
         | ((count < low) | (count > high)).any(axis=1) << Cause.POSITION
         | (~inputs["in_referenced"].all(axis=1)) << Cause.UNREFERENCED
     ).astype(np.int64)

@@ -6,7 +6,8 @@ from cocotb.task import resume
 from cocotb.triggers import SimTimeoutError, with_timeout
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp
 
-from gravcomp.driver.registers import read_registers
+from gravcomp_lab.benches.codes import fixed_network
+from gravcomp_lab.registers.map import registers_of
 
 # A core that does not answer in this time never will: the test ends instead of waiting.
 ANSWER_US = 100
@@ -17,14 +18,14 @@ class BusError(RuntimeError):
 
 
 class Registers:
-    """Registers of a dut with s_axi_* ports, by name and axis, as unsigned 32-bit words."""
+    """Registers of a dut with s_axi_* ports and the network under test, by name and axis, as unsigned 32-bit words."""
 
     def __init__(self, dut):
         bus = AxiLiteBus.from_prefix(dut, "s_axi")
         self.master = AxiLiteMaster(bus, dut.s_axi_aclk, dut.s_axi_aresetn, reset_active_level=False)
         for channel in (self.master.write_if, self.master.read_if):
             channel.log.setLevel("WARNING")
-        self.map = read_registers()
+        self.map = registers_of(fixed_network().n_axes)
         self.is_silent = False
 
     def pause(self, pauses: Callable[[], Iterator[bool]]) -> None:
@@ -69,6 +70,10 @@ class Registers:
     async def write_axes(self, name: str, values) -> None:
         for axis, value in enumerate(values):
             await self.write(name, int(value), axis)
+
+    async def write_all(self, name: str, value: int) -> None:
+        """The same to the registers of all axes; to the one register of a name that has no more."""
+        await self.write_axes(name, [value] * self.map[name].count)
 
     async def field(self, name: str, field: str) -> int:
         return self.map[name].field(field, await self.read(name))

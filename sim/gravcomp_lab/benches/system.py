@@ -18,19 +18,34 @@ from gravcomp_lab.benches.codes import fixed_network, hash_under_test, pack, unp
 from gravcomp_lab.shipped import ROOT
 
 BENCH_SOURCES = tuple(ROOT / "tb" / "hdl" / f"{name}.vhd" for name in ("gc_encoder_model", "gc_system_bench"))
-N_AXES = 3
 ALL_FAULTS = (1 << len(Cause)) - 1
 KICK = 2  # of command
 STATES = {state.name.lower(): state for state in State}
+HOME_BIT = 4  # of control, of axis 1
 # More than any walk of these tests takes, and than a word takes to cross.
 WALK_CLOCKS, CROSSING_CLOCKS = 1_000_000, 1000
+
+
+def near_the_middle() -> np.ndarray:
+    """Counts (n,) near the middle of the trained range, where an index can be; of the Sphe.I.Ro. 2002, -3002, 4002."""
+    fixed = fixed_network()
+    axis = np.arange(fixed.n_axes)
+    aside = np.minimum(2002 + 1000 * axis, (fixed.count_high - fixed.count_low) // 8)
+    counts = (fixed.count_low + fixed.count_high) // 2 + np.where(axis % 2, -aside, aside)
+    return counts - (counts - 2) % 4
 
 
 class System:
     """gc_system_bench with both clocks running, and its host."""
 
     def __init__(self, dut):
-        self.dut = dut
+        self.dut, self.n_axes = dut, fixed_network().n_axes
+        self.all_axes = (1 << self.n_axes) - 1
+        self.homing = self.all_axes << HOME_BIT  # of control
+
+    @property
+    def near(self) -> np.ndarray:
+        return near_the_middle()
 
     async def start(self, axi_mhz: float, core_mhz: float = 40) -> None:
         """Start the clocks and reset; every register then holds its reset value."""
@@ -62,11 +77,11 @@ class System:
         index = counts - (counts - 2) % 4  # the decoder takes the index in phase 2
         await self.registers.write_axes("index_position", index)
         await self.registers.write("control", 0)
-        await self.registers.write("control", 7 << 4)
+        await self.registers.write("control", self.homing)
         await self.put_before(index)
         await self.walk_to(index)
         assert await self.registers.read("result_number") == 0
-        assert await self.registers.field("axis_flags", "referenced") == 7
+        assert await self.registers.field("encoder_flags", "referenced") == self.all_axes
 
     async def put_before(self, index: np.ndarray) -> None:
         """A jump of whole encoder cycles to two of them before the index: the last one is on the pins, without z."""
@@ -87,8 +102,8 @@ class System:
         """Limits that nothing here exceeds, and the hash that the core has."""
         values = {
             "expected_weights": int(hash_under_test()[:8], 16),
-            "current_limit_ua": 10_000_000,
-            "current_slew_ua": 10_000_000,
+            "current_limit_ua": 2**31 - 1,
+            "current_slew_ua": 2**31 - 1,
             "period_min_clocks": 8,
             "saturation_clocks": 10_000,
             "watchdog_clocks": 100_000,
@@ -102,25 +117,25 @@ class System:
             **changes,
         }
         for name, value in values.items():
-            await self.registers.write(name, value)
+            await self.registers.write_all(name, value)
         fixed = fixed_network()
         await self.registers.write_axes("window_low", fixed.count_low - 100)
         await self.registers.write_axes("window_high", fixed.count_high + 100)
 
     async def run(self) -> None:
         """Home, tick and release the brakes."""
-        await self.enable(np.array([2002, -3002, 4002]))
+        await self.enable(self.near)
         await self.wait_for_state("run")
 
     async def enable(self, counts: np.ndarray) -> None:
         """Home near the counts, tick, and enable while no cause is present."""
         await self.home_near(counts)
-        await self.registers.write("control", 7 << 4 | 2)
+        await self.registers.write("control", self.homing | 2)
         await self.registers.write("command", KICK)
         await self.clocks(250)
         await self.registers.write("fault", ALL_FAULTS)
         await self.wait_for_state("braked")
-        await self.registers.write("control", 7 << 4 | 3)
+        await self.registers.write("control", self.homing | 3)
 
     async def wait_for_state(self, name: str, most_reads: int = 500) -> None:
         for _ in range(most_reads):
@@ -150,7 +165,7 @@ async def path_latency(dut):
     await system.run()
     controller = dut.i_system.i_core_side
     dut.clocks_per_edge.value = tick_clocks + 1  # every phase of the tick
-    dut.target.value = pack([5002, -3002, 4002], COUNT_BITS)
+    dut.target.value = pack(system.near + 3000 * (np.arange(system.n_axes) == 0), COUNT_BITS)
     count, starts, latencies, steps = 2002, [], [], set()
     edges, pins, counted = [], None, None
     for clock in range(70 * 61):
@@ -160,7 +175,7 @@ async def path_latency(dut):
             count += 1
             edges.append((count, clock))
         pins = now
-        known = unpack([int(controller.count.value)], COUNT_BITS, N_AXES)[0][0]
+        known = unpack([int(controller.count.value)], COUNT_BITS, system.n_axes)[0][0]
         if counted not in (None, known):
             to_count = clock - edges[-1][1]
         counted = known

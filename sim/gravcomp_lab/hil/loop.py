@@ -19,7 +19,7 @@ from gravcomp.prototype.engine import TIME_STEP_S
 from gravcomp.simulation.measured import hand_over
 from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import pack, unpack
-from gravcomp_lab.benches.system import ALL_FAULTS, BENCH_SOURCES, N_AXES, System
+from gravcomp_lab.benches.system import ALL_FAULTS, BENCH_SOURCES, System
 from gravcomp_lab.hil.plant import BrakedPrototype, Pid
 from gravcomp_lab.hil.runs import SETS, Fault, Log, Run
 from gravcomp_lab.shipped import shipped_machine
@@ -29,6 +29,7 @@ CLOCKS_PER_STEP = 150  # of a control period, which is a time step of the physic
 CORE_MHZ = CLOCKS_PER_STEP / TIME_STEP_S / 1e6
 AXI_MHZ = 0.97 * CORE_MHZ
 STEP_FS = round(1e15 * TIME_STEP_S)
+N_AXES = 3  # of the prototype
 FEWEST_CLOCKS_PER_EDGE = 3  # one more than the limit speed of gc_quad_decoder, at which speed is a fault
 READ_FS = STEP_FS // 2  # before the end of a period the host reads the positions
 EDGES_CLOCKS = 20  # of a period, in which its edges come
@@ -72,12 +73,12 @@ class Loop:
         await self.system.configure(**SETTINGS)
         await self.system.home_near(self.last_counts)
         write = self.system.registers.write
-        await write("control", 7 << 4 | 2)
+        await write("control", self.system.homing | 2)
         await write("command", 2)
         await self.system.clocks(3 * CLOCKS_PER_STEP)
         await write("fault", ALL_FAULTS)
         await self.system.wait_for_state("braked")
-        await write("control", 7 << 4 | 3)
+        await write("control", self.system.homing | 3)
         target_m, still_m = self.run.target_m(0.0, self.p), self.robot.q_m
         for _ in range(MOST_STEPS_TO_RELEASE):
             if self.is_released.all():

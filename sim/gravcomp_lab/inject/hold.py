@@ -87,22 +87,24 @@ def bring_up(session: Session, scene: Scene) -> None:
 
 def settings(identity, index: Sequence[int]) -> Settings:
     """Limits that the pose does not exceed; time-outs that all end well within a run after a fault."""
+    axes = identity.axes
     return Settings(
+        axes=axes,
         clock_hz=identity.clock_hz,
         expected_weights=identity.weights_hash[0],
         index_position=tuple(index),
-        index_period=(0,) * len(index),
-        margin_counts=100,
-        speed_max_counts_per_s=1_000_000,
-        current_limit_ua=10_000_000,
-        current_slew_ua=400_000,
+        index_period=(0,) * axes,
+        margin_counts=(100,) * axes,
+        speed_max_counts_per_s=(1_000_000,) * axes,
+        current_limit_ua=(10_000_000,) * axes,
+        current_slew_ua=(400_000,) * axes,
         tick_us=TICK_US,
         saturation_us=100,
         watchdog_us=250,
         result_us=50,
         brake_us=10,
         brake_test_us=10,
-        command_bound_ua=50_000,
+        command_bound_ua=(50_000,) * axes,
         command_us=50,
         hold_us=2000,
     )
@@ -120,7 +122,16 @@ def hold(session: Session, moments: Sequence[int], horizon: int, stride: int) ->
     for axis in range(len(POSE)):
         session.tell("+", axis, 1)
     session.tell("@", third)
-    for name in ("result_number", "status", "axis_flags", "cause", "fault"):
+    for name in (
+        "result_number",
+        "status",
+        "result_flags",
+        "command_flags",
+        "encoder_flags",
+        "speed_flags",
+        "cause",
+        "fault",
+    ):
         host._bus.read(registers[name].address)
     session.tell("@", 2 * third)
     for axis in range(len(POSE)):

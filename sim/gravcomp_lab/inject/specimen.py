@@ -51,4 +51,4 @@ def make_specimen(weights: Path, folder: Path) -> tuple[list[Path], Image]:
 def ua_per_mn(weights: Path) -> float:
     """What a mN is as a current command, uA, on the axis where it is most."""
     fixed = quantise(load_network(weights), load_machine(weights).drive)
-    return float(fixed.current_scale.max()) / 2**fixed.current_scale_fraction
+    return float((fixed.current_scale / 2.0**fixed.current_scale_fraction).max())

@@ -30,6 +30,7 @@ class Facts:
 
     @property
     def axes(self) -> int:
+        """The most that a core can have: the map is theirs."""
         return self.registers["position"].count
 
     @cached_property
@@ -79,7 +80,6 @@ def vhdl(facts: Facts) -> str:
     names, n_causes = table["image"]["sections"], len(facts.causes)
     sections = {f"{name}_section": k for k, name in enumerate(names)}
     return _VHDL.format(
-        axes=facts.axes,
         states=_constants("safety_state_t", {f"state_{name}": f'"{n:03b}"' for name, n in table["states"].items()}),
         causes=_constants("natural", {f"cause_{name}": bit for name, bit in facts.causes.items()}),
         n_causes=n_causes,
@@ -146,7 +146,7 @@ def markdown(facts: Facts) -> str:
     """The same for a reader."""
     table, block = facts.table, facts.guarded_block
     rows = {
-        "axes": facts.axes,
+        "axes, at most": facts.axes,
         "states of the brakes (`status`)": _listed(table["states"], "{1} {0}"),
         "causes of a fault, bit by bit": _listed(facts.causes, "{1} `{0}`"),
         "key to loading": f"0x{facts.load_key:08X}, ASCII {table['load_key']}",
@@ -183,8 +183,6 @@ library ieee;
   use ieee.std_logic_1164.all;
 
 package gc_facts_pkg is
-
-  constant axes_c : positive := {axes};
 
   -- States of the brakes.
 
@@ -286,7 +284,7 @@ _C = """\
 #ifndef GRAVCOMP_FACTS_H
 #define GRAVCOMP_FACTS_H
 
-#define GRAVCOMP_AXES {axes}
+#define GRAVCOMP_MAX_AXES {axes}
 
 /* States of the brakes. */
 typedef enum {{
@@ -308,7 +306,7 @@ _PYTHON = '''\
 
 from enum import IntEnum, IntFlag
 
-AXES = {axes}
+MAX_AXES = {axes}
 
 # Loading: the key, and words of an image from kick to kick.
 LOAD_KEY = {key}

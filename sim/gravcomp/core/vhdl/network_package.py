@@ -9,6 +9,7 @@ from gravcomp.core.folder import folder_hash, load_folder
 from gravcomp.core.formats import FixedNetwork, quantise
 from gravcomp.core.machine_header import MACHINE_HEADER_FILE, machine_header_text
 from gravcomp.core.vhdl.compensation_package import COMPENSATION_PACKAGE_FILE, compensation_package_text
+from gravcomp.core.vhdl.registers import register_files
 from gravcomp.files import write_all_atomically
 from gravcomp.twin.precision import Precision, certified, precision
 
@@ -16,7 +17,7 @@ PACKAGE_FILE = "gc_network_pkg.vhd"
 
 
 def rom_files(folder: Path | str) -> dict[str, str]:
-    """The generated packages of a machine folder and its C header, text by file name.
+    """The VHDL and the C header of a machine folder, its registers among them, text by file name.
 
     Raises InputError as load_folder does, when the hardware cannot hold a value, or when the formats cost too much.
     """
@@ -48,6 +49,7 @@ def _rom_files(folder: Path | str) -> tuple[dict[str, str], Precision]:
         PACKAGE_FILE: package_text(fixed, sha256, content.machine.clock_hz, Path(folder).name),
         COMPENSATION_PACKAGE_FILE: compensation_package_text(folder, content.compensation, drive),
         MACHINE_HEADER_FILE: machine_header_text(content.machine, sha256, Path(folder).name),
+        **register_files(content.machine.n_axes),
     }
     return texts, cost
 
@@ -103,10 +105,12 @@ def package_text(fixed: FixedNetwork, sha256: str, clock_hz: float, name: str) -
         slope_fraction=q.SLOPE_FRACTION,
         hidden_fraction=q.HIDDEN_FRACTION,
         **{
+            key: _integers(getattr(fixed, key))
+            for key in ("count_shift", "input_scale_fraction", "output_scale_fraction", "current_scale_fraction")
+        },
+        **{
             key: getattr(fixed, key)
             for key in (
-                "count_shift",
-                "input_scale_fraction",
                 "x_fraction",
                 "weight_fraction",
                 "hidden_sum_bits",
@@ -115,8 +119,6 @@ def package_text(fixed: FixedNetwork, sha256: str, clock_hz: float, name: str) -
                 "output_sum_bits",
                 "y_fraction",
                 "output_drop",
-                "output_scale_fraction",
-                "current_scale_fraction",
             )
         },
     )
@@ -166,11 +168,12 @@ package gc_network_pkg is
   -- Hz of the core's clock: the tables of friction hold for this one.
   constant clock_hz_c : positive := {clock_hz};
 
-  -- Sizes: encoder counts in, what the hidden layer sees of them, hidden neurons, efforts out.
-  constant inputs_c   : positive := {n_axes};
+  -- Sizes: axes, whose counts come in and efforts go out; what the hidden layer sees of them; hidden neurons.
+  constant axes_c     : positive := {n_axes};
+  constant inputs_c   : positive := axes_c;
   constant features_c : positive := {n_inputs};
   constant hidden_c   : positive := {n_hidden};
-  constant outputs_c  : positive := {n_axes};
+  constant outputs_c  : positive := axes_c;
 
   -- Widths of the ports.
   constant count_bits_c   : positive := {count_bits};
@@ -179,13 +182,16 @@ package gc_network_pkg is
 
   type counts_t is array (0 to inputs_c - 1) of integer;
 
+  -- Bits, per axis.
+  type axis_bits_t is array (0 to axes_c - 1) of natural;
+
   -- Input: clamp to the trained range (encoder counts), drop bits, scale to x.
   constant count_low_c            : counts_t := ({count_low});
   constant count_high_c           : counts_t := ({count_high});
-  constant count_shift_c          : natural  := {count_shift};
+  constant count_shift_c          : axis_bits_t := ({count_shift});
   constant input_scale_c          : signed({input_scale_bits} downto 0) :=
     {input_scale};
-  constant input_scale_fraction_c : natural  := {input_scale_fraction};
+  constant input_scale_fraction_c : axis_bits_t := ({input_scale_fraction});
   constant x_fraction_c           : natural  := {x_fraction};
 
   -- x of the limits of the trained range.
@@ -219,13 +225,13 @@ package gc_network_pkg is
   constant output_bias_c            : signed({output_bias_bits} downto 0) :=
     {output_bias};
 
-  -- Output: scale y to mN, and mN to uA by the 1/K_t of each axis.
+  -- Output: scale y to mN or mNm, and that to uA by the 1/K_t of each axis.
   constant output_scale_c           : signed({input_scale_bits} downto 0) :=
     {output_scale};
-  constant output_scale_fraction_c  : natural  := {output_scale_fraction};
+  constant output_scale_fraction_c  : axis_bits_t := ({output_scale_fraction});
   constant current_scale_c          : signed({input_scale_bits} downto 0) :=
     {current_scale};
-  constant current_scale_fraction_c : positive := {current_scale_fraction};
+  constant current_scale_fraction_c : axis_bits_t := ({current_scale_fraction});
 
   -- Words of the weight ROMs, one per neuron.
   constant hidden_word_bits_c : positive := {hidden_word_bits};

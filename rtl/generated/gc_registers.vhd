@@ -90,43 +90,46 @@ architecture rtl of gc_registers is
         clock_hz : std_logic;
         weights_hash : std_logic_array1(0 to 7);
         compensation_hash : std_logic_array1(0 to 7);
+        encoder_geometry : std_logic;
         trained_low : std_logic_array1(0 to 2);
         trained_high : std_logic_array1(0 to 2);
-        encoder_geometry : std_logic;
         control : std_logic;
         command : std_logic;
         tick_clocks : std_logic;
         expected_weights : std_logic;
-        index_position : std_logic_array1(0 to 2);
-        current_limit_ua : std_logic;
-        current_slew_ua : std_logic;
-        period_min_clocks : std_logic;
         saturation_clocks : std_logic;
         watchdog_clocks : std_logic;
         result_clocks : std_logic;
         brake_clocks : std_logic;
-        window_low : std_logic_array1(0 to 2);
-        window_high : std_logic_array1(0 to 2);
-        command_bound_ua : std_logic;
         command_clocks : std_logic;
         hold_clocks : std_logic;
         brake_test_clocks : std_logic;
+        index_position : std_logic_array1(0 to 2);
         index_period : std_logic_array1(0 to 2);
+        window_low : std_logic_array1(0 to 2);
+        window_high : std_logic_array1(0 to 2);
+        current_limit_ua : std_logic_array1(0 to 2);
+        current_slew_ua : std_logic_array1(0 to 2);
+        command_bound_ua : std_logic_array1(0 to 2);
+        period_min_clocks : std_logic_array1(0 to 2);
         result_number : std_logic;
         missed_ticks : std_logic;
         status : std_logic;
-        axis_flags : std_logic;
+        result_flags : std_logic;
+        command_flags : std_logic;
+        encoder_flags : std_logic;
+        speed_flags : std_logic;
+        cause : std_logic;
+        fault : std_logic;
+        first_cause : std_logic;
+        control_now : std_logic;
         position : std_logic_array1(0 to 2);
         speed_period : std_logic_array1(0 to 2);
         force_mn : std_logic_array1(0 to 2);
         current_ua : std_logic_array1(0 to 2);
         command_ua : std_logic_array1(0 to 2);
         position_now : std_logic_array1(0 to 2);
-        cause : std_logic;
-        fault : std_logic;
-        first_cause : std_logic;
         first_position : std_logic_array1(0 to 2);
-        control_now : std_logic;
         interrupt_enable : std_logic;
         interrupt_status : std_logic;
         load_unlock : std_logic;
@@ -209,43 +212,6 @@ architecture rtl of gc_registers is
         value : gc_registers_expected_weights_value_combo_t;
     end record;
 
-    type gc_registers_index_position_value_combo_t is record
-        next_q : std_logic_vector(31 downto 0);
-        load_next : std_logic;
-    end record;
-
-    type gc_registers_index_position_combo_t is record
-        value : gc_registers_index_position_value_combo_t;
-    end record;
-    type gc_registers_index_position_combo_t_array is array(natural range <>) of gc_registers_index_position_combo_t;
-
-    type gc_registers_current_limit_ua_value_combo_t is record
-        next_q : std_logic_vector(30 downto 0);
-        load_next : std_logic;
-    end record;
-
-    type gc_registers_current_limit_ua_combo_t is record
-        value : gc_registers_current_limit_ua_value_combo_t;
-    end record;
-
-    type gc_registers_current_slew_ua_value_combo_t is record
-        next_q : std_logic_vector(30 downto 0);
-        load_next : std_logic;
-    end record;
-
-    type gc_registers_current_slew_ua_combo_t is record
-        value : gc_registers_current_slew_ua_value_combo_t;
-    end record;
-
-    type gc_registers_period_min_clocks_value_combo_t is record
-        next_q : std_logic_vector(30 downto 0);
-        load_next : std_logic;
-    end record;
-
-    type gc_registers_period_min_clocks_combo_t is record
-        value : gc_registers_period_min_clocks_value_combo_t;
-    end record;
-
     type gc_registers_saturation_clocks_value_combo_t is record
         next_q : std_logic_vector(31 downto 0);
         load_next : std_logic;
@@ -282,35 +248,6 @@ architecture rtl of gc_registers is
         value : gc_registers_brake_clocks_value_combo_t;
     end record;
 
-    type gc_registers_window_low_value_combo_t is record
-        next_q : std_logic_vector(31 downto 0);
-        load_next : std_logic;
-    end record;
-
-    type gc_registers_window_low_combo_t is record
-        value : gc_registers_window_low_value_combo_t;
-    end record;
-    type gc_registers_window_low_combo_t_array is array(natural range <>) of gc_registers_window_low_combo_t;
-
-    type gc_registers_window_high_value_combo_t is record
-        next_q : std_logic_vector(31 downto 0);
-        load_next : std_logic;
-    end record;
-
-    type gc_registers_window_high_combo_t is record
-        value : gc_registers_window_high_value_combo_t;
-    end record;
-    type gc_registers_window_high_combo_t_array is array(natural range <>) of gc_registers_window_high_combo_t;
-
-    type gc_registers_command_bound_ua_value_combo_t is record
-        next_q : std_logic_vector(30 downto 0);
-        load_next : std_logic;
-    end record;
-
-    type gc_registers_command_bound_ua_combo_t is record
-        value : gc_registers_command_bound_ua_value_combo_t;
-    end record;
-
     type gc_registers_command_clocks_value_combo_t is record
         next_q : std_logic_vector(31 downto 0);
         load_next : std_logic;
@@ -338,6 +275,16 @@ architecture rtl of gc_registers is
         value : gc_registers_brake_test_clocks_value_combo_t;
     end record;
 
+    type gc_registers_index_position_value_combo_t is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_index_position_combo_t is record
+        value : gc_registers_index_position_value_combo_t;
+    end record;
+    type gc_registers_index_position_combo_t_array is array(natural range <>) of gc_registers_index_position_combo_t;
+
     type gc_registers_index_period_value_combo_t is record
         next_q : std_logic_vector(31 downto 0);
         load_next : std_logic;
@@ -347,6 +294,66 @@ architecture rtl of gc_registers is
         value : gc_registers_index_period_value_combo_t;
     end record;
     type gc_registers_index_period_combo_t_array is array(natural range <>) of gc_registers_index_period_combo_t;
+
+    type gc_registers_window_low_value_combo_t is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_window_low_combo_t is record
+        value : gc_registers_window_low_value_combo_t;
+    end record;
+    type gc_registers_window_low_combo_t_array is array(natural range <>) of gc_registers_window_low_combo_t;
+
+    type gc_registers_window_high_value_combo_t is record
+        next_q : std_logic_vector(31 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_window_high_combo_t is record
+        value : gc_registers_window_high_value_combo_t;
+    end record;
+    type gc_registers_window_high_combo_t_array is array(natural range <>) of gc_registers_window_high_combo_t;
+
+    type gc_registers_current_limit_ua_value_combo_t is record
+        next_q : std_logic_vector(30 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_current_limit_ua_combo_t is record
+        value : gc_registers_current_limit_ua_value_combo_t;
+    end record;
+    type gc_registers_current_limit_ua_combo_t_array is array(natural range <>) of gc_registers_current_limit_ua_combo_t;
+
+    type gc_registers_current_slew_ua_value_combo_t is record
+        next_q : std_logic_vector(30 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_current_slew_ua_combo_t is record
+        value : gc_registers_current_slew_ua_value_combo_t;
+    end record;
+    type gc_registers_current_slew_ua_combo_t_array is array(natural range <>) of gc_registers_current_slew_ua_combo_t;
+
+    type gc_registers_command_bound_ua_value_combo_t is record
+        next_q : std_logic_vector(30 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_command_bound_ua_combo_t is record
+        value : gc_registers_command_bound_ua_value_combo_t;
+    end record;
+    type gc_registers_command_bound_ua_combo_t_array is array(natural range <>) of gc_registers_command_bound_ua_combo_t;
+
+    type gc_registers_period_min_clocks_value_combo_t is record
+        next_q : std_logic_vector(30 downto 0);
+        load_next : std_logic;
+    end record;
+
+    type gc_registers_period_min_clocks_combo_t is record
+        value : gc_registers_period_min_clocks_value_combo_t;
+    end record;
+    type gc_registers_period_min_clocks_combo_t_array is array(natural range <>) of gc_registers_period_min_clocks_combo_t;
 
     type gc_registers_fault_clear_combo_t is record
         next_q : std_logic_vector(15 downto 0);
@@ -464,21 +471,21 @@ architecture rtl of gc_registers is
         command : gc_registers_command_combo_t;
         tick_clocks : gc_registers_tick_clocks_combo_t;
         expected_weights : gc_registers_expected_weights_combo_t;
-        index_position : gc_registers_index_position_combo_t_array(0 to 2);
-        current_limit_ua : gc_registers_current_limit_ua_combo_t;
-        current_slew_ua : gc_registers_current_slew_ua_combo_t;
-        period_min_clocks : gc_registers_period_min_clocks_combo_t;
         saturation_clocks : gc_registers_saturation_clocks_combo_t;
         watchdog_clocks : gc_registers_watchdog_clocks_combo_t;
         result_clocks : gc_registers_result_clocks_combo_t;
         brake_clocks : gc_registers_brake_clocks_combo_t;
-        window_low : gc_registers_window_low_combo_t_array(0 to 2);
-        window_high : gc_registers_window_high_combo_t_array(0 to 2);
-        command_bound_ua : gc_registers_command_bound_ua_combo_t;
         command_clocks : gc_registers_command_clocks_combo_t;
         hold_clocks : gc_registers_hold_clocks_combo_t;
         brake_test_clocks : gc_registers_brake_test_clocks_combo_t;
+        index_position : gc_registers_index_position_combo_t_array(0 to 2);
         index_period : gc_registers_index_period_combo_t_array(0 to 2);
+        window_low : gc_registers_window_low_combo_t_array(0 to 2);
+        window_high : gc_registers_window_high_combo_t_array(0 to 2);
+        current_limit_ua : gc_registers_current_limit_ua_combo_t_array(0 to 2);
+        current_slew_ua : gc_registers_current_slew_ua_combo_t_array(0 to 2);
+        command_bound_ua : gc_registers_command_bound_ua_combo_t_array(0 to 2);
+        period_min_clocks : gc_registers_period_min_clocks_combo_t_array(0 to 2);
         fault : gc_registers_fault_combo_t;
         interrupt_enable : gc_registers_interrupt_enable_combo_t;
         interrupt_status : gc_registers_interrupt_status_combo_t;
@@ -542,39 +549,6 @@ architecture rtl of gc_registers is
         value : gc_registers_expected_weights_value_storage_t;
     end record;
 
-    type gc_registers_index_position_value_storage_t is record
-        value : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_index_position_storage_t is record
-        value : gc_registers_index_position_value_storage_t;
-    end record;
-    type gc_registers_index_position_storage_t_array is array(natural range <>) of gc_registers_index_position_storage_t;
-
-    type gc_registers_current_limit_ua_value_storage_t is record
-        value : std_logic_vector(30 downto 0);
-    end record;
-
-    type gc_registers_current_limit_ua_storage_t is record
-        value : gc_registers_current_limit_ua_value_storage_t;
-    end record;
-
-    type gc_registers_current_slew_ua_value_storage_t is record
-        value : std_logic_vector(30 downto 0);
-    end record;
-
-    type gc_registers_current_slew_ua_storage_t is record
-        value : gc_registers_current_slew_ua_value_storage_t;
-    end record;
-
-    type gc_registers_period_min_clocks_value_storage_t is record
-        value : std_logic_vector(30 downto 0);
-    end record;
-
-    type gc_registers_period_min_clocks_storage_t is record
-        value : gc_registers_period_min_clocks_value_storage_t;
-    end record;
-
     type gc_registers_saturation_clocks_value_storage_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -607,32 +581,6 @@ architecture rtl of gc_registers is
         value : gc_registers_brake_clocks_value_storage_t;
     end record;
 
-    type gc_registers_window_low_value_storage_t is record
-        value : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_window_low_storage_t is record
-        value : gc_registers_window_low_value_storage_t;
-    end record;
-    type gc_registers_window_low_storage_t_array is array(natural range <>) of gc_registers_window_low_storage_t;
-
-    type gc_registers_window_high_value_storage_t is record
-        value : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_window_high_storage_t is record
-        value : gc_registers_window_high_value_storage_t;
-    end record;
-    type gc_registers_window_high_storage_t_array is array(natural range <>) of gc_registers_window_high_storage_t;
-
-    type gc_registers_command_bound_ua_value_storage_t is record
-        value : std_logic_vector(30 downto 0);
-    end record;
-
-    type gc_registers_command_bound_ua_storage_t is record
-        value : gc_registers_command_bound_ua_value_storage_t;
-    end record;
-
     type gc_registers_command_clocks_value_storage_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -657,6 +605,15 @@ architecture rtl of gc_registers is
         value : gc_registers_brake_test_clocks_value_storage_t;
     end record;
 
+    type gc_registers_index_position_value_storage_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_index_position_storage_t is record
+        value : gc_registers_index_position_value_storage_t;
+    end record;
+    type gc_registers_index_position_storage_t_array is array(natural range <>) of gc_registers_index_position_storage_t;
+
     type gc_registers_index_period_value_storage_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -665,6 +622,60 @@ architecture rtl of gc_registers is
         value : gc_registers_index_period_value_storage_t;
     end record;
     type gc_registers_index_period_storage_t_array is array(natural range <>) of gc_registers_index_period_storage_t;
+
+    type gc_registers_window_low_value_storage_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_window_low_storage_t is record
+        value : gc_registers_window_low_value_storage_t;
+    end record;
+    type gc_registers_window_low_storage_t_array is array(natural range <>) of gc_registers_window_low_storage_t;
+
+    type gc_registers_window_high_value_storage_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_window_high_storage_t is record
+        value : gc_registers_window_high_value_storage_t;
+    end record;
+    type gc_registers_window_high_storage_t_array is array(natural range <>) of gc_registers_window_high_storage_t;
+
+    type gc_registers_current_limit_ua_value_storage_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_current_limit_ua_storage_t is record
+        value : gc_registers_current_limit_ua_value_storage_t;
+    end record;
+    type gc_registers_current_limit_ua_storage_t_array is array(natural range <>) of gc_registers_current_limit_ua_storage_t;
+
+    type gc_registers_current_slew_ua_value_storage_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_current_slew_ua_storage_t is record
+        value : gc_registers_current_slew_ua_value_storage_t;
+    end record;
+    type gc_registers_current_slew_ua_storage_t_array is array(natural range <>) of gc_registers_current_slew_ua_storage_t;
+
+    type gc_registers_command_bound_ua_value_storage_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_command_bound_ua_storage_t is record
+        value : gc_registers_command_bound_ua_value_storage_t;
+    end record;
+    type gc_registers_command_bound_ua_storage_t_array is array(natural range <>) of gc_registers_command_bound_ua_storage_t;
+
+    type gc_registers_period_min_clocks_value_storage_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_period_min_clocks_storage_t is record
+        value : gc_registers_period_min_clocks_value_storage_t;
+    end record;
+    type gc_registers_period_min_clocks_storage_t_array is array(natural range <>) of gc_registers_period_min_clocks_storage_t;
 
     type gc_registers_fault_clear_storage_t is record
         value : std_logic_vector(15 downto 0);
@@ -767,21 +778,21 @@ architecture rtl of gc_registers is
         command : gc_registers_command_storage_t;
         tick_clocks : gc_registers_tick_clocks_storage_t;
         expected_weights : gc_registers_expected_weights_storage_t;
-        index_position : gc_registers_index_position_storage_t_array(0 to 2);
-        current_limit_ua : gc_registers_current_limit_ua_storage_t;
-        current_slew_ua : gc_registers_current_slew_ua_storage_t;
-        period_min_clocks : gc_registers_period_min_clocks_storage_t;
         saturation_clocks : gc_registers_saturation_clocks_storage_t;
         watchdog_clocks : gc_registers_watchdog_clocks_storage_t;
         result_clocks : gc_registers_result_clocks_storage_t;
         brake_clocks : gc_registers_brake_clocks_storage_t;
-        window_low : gc_registers_window_low_storage_t_array(0 to 2);
-        window_high : gc_registers_window_high_storage_t_array(0 to 2);
-        command_bound_ua : gc_registers_command_bound_ua_storage_t;
         command_clocks : gc_registers_command_clocks_storage_t;
         hold_clocks : gc_registers_hold_clocks_storage_t;
         brake_test_clocks : gc_registers_brake_test_clocks_storage_t;
+        index_position : gc_registers_index_position_storage_t_array(0 to 2);
         index_period : gc_registers_index_period_storage_t_array(0 to 2);
+        window_low : gc_registers_window_low_storage_t_array(0 to 2);
+        window_high : gc_registers_window_high_storage_t_array(0 to 2);
+        current_limit_ua : gc_registers_current_limit_ua_storage_t_array(0 to 2);
+        current_slew_ua : gc_registers_current_slew_ua_storage_t_array(0 to 2);
+        command_bound_ua : gc_registers_command_bound_ua_storage_t_array(0 to 2);
+        period_min_clocks : gc_registers_period_min_clocks_storage_t_array(0 to 2);
         fault : gc_registers_fault_storage_t;
         interrupt_enable : gc_registers_interrupt_enable_storage_t;
         interrupt_status : gc_registers_interrupt_status_storage_t;
@@ -803,7 +814,31 @@ architecture rtl of gc_registers is
         data : std_logic_vector(31 downto 0);
     end record;
 
-    type gc_registers_axis_flags_rbuf_t is record
+    type gc_registers_result_flags_rbuf_t is record
+        data : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_command_flags_rbuf_t is record
+        data : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_encoder_flags_rbuf_t is record
+        data : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_speed_flags_rbuf_t is record
+        data : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_cause_rbuf_t is record
+        data : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_fault_rbuf_t is record
+        data : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_first_cause_rbuf_t is record
         data : std_logic_vector(31 downto 0);
     end record;
 
@@ -837,18 +872,6 @@ architecture rtl of gc_registers is
     end record;
     type gc_registers_position_now_rbuf_t_array is array(natural range <>) of gc_registers_position_now_rbuf_t;
 
-    type gc_registers_cause_rbuf_t is record
-        data : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_fault_rbuf_t is record
-        data : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_first_cause_rbuf_t is record
-        data : std_logic_vector(31 downto 0);
-    end record;
-
     type gc_registers_first_position_rbuf_t is record
         data : std_logic_vector(31 downto 0);
     end record;
@@ -857,16 +880,19 @@ architecture rtl of gc_registers is
     type rbuf_storage_t is record
         missed_ticks : gc_registers_missed_ticks_rbuf_t;
         status : gc_registers_status_rbuf_t;
-        axis_flags : gc_registers_axis_flags_rbuf_t;
+        result_flags : gc_registers_result_flags_rbuf_t;
+        command_flags : gc_registers_command_flags_rbuf_t;
+        encoder_flags : gc_registers_encoder_flags_rbuf_t;
+        speed_flags : gc_registers_speed_flags_rbuf_t;
+        cause : gc_registers_cause_rbuf_t;
+        fault : gc_registers_fault_rbuf_t;
+        first_cause : gc_registers_first_cause_rbuf_t;
         position : gc_registers_position_rbuf_t_array(0 to 2);
         speed_period : gc_registers_speed_period_rbuf_t_array(0 to 2);
         force_mn : gc_registers_force_mn_rbuf_t_array(0 to 2);
         current_ua : gc_registers_current_ua_rbuf_t_array(0 to 2);
         command_ua : gc_registers_command_ua_rbuf_t_array(0 to 2);
         position_now : gc_registers_position_now_rbuf_t_array(0 to 2);
-        cause : gc_registers_cause_rbuf_t;
-        fault : gc_registers_fault_rbuf_t;
-        first_cause : gc_registers_first_cause_rbuf_t;
         first_position : gc_registers_first_position_rbuf_t_array(0 to 2);
     end record;
     signal rbuf_storage : rbuf_storage_t;
@@ -1110,170 +1136,187 @@ begin
             is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#30# + i0*16#4#));
             is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#30# + i0*16#4#) and not cpuif_req_is_wr);
         end loop;
+        decoded_reg_strb.encoder_geometry <= cpuif_req_masked and (cpuif_addr = 16#50#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#50#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#50#) and not cpuif_req_is_wr);
         for i0 in 0 to 2 loop
-            decoded_reg_strb.trained_low(i0) <= cpuif_req_masked and (cpuif_addr = 16#50# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#50# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#50# + i0*16#4#) and not cpuif_req_is_wr);
-        end loop;
-        for i0 in 0 to 2 loop
-            decoded_reg_strb.trained_high(i0) <= cpuif_req_masked and (cpuif_addr = 16#60# + i0*16#4#) and not cpuif_req_is_wr;
+            decoded_reg_strb.trained_low(i0) <= cpuif_req_masked and (cpuif_addr = 16#60# + i0*16#4#) and not cpuif_req_is_wr;
             is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#60# + i0*16#4#));
             is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#60# + i0*16#4#) and not cpuif_req_is_wr);
         end loop;
-        decoded_reg_strb.encoder_geometry <= cpuif_req_masked and (cpuif_addr = 16#70#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#70#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#70#) and not cpuif_req_is_wr);
-        decoded_reg_strb.control <= cpuif_req_masked and (cpuif_addr = 16#80#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#80#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#80#));
-        decoded_reg_strb.command <= cpuif_req_masked and (cpuif_addr = 16#84#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#84#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#84#) and cpuif_req_is_wr);
-        decoded_reg_strb.tick_clocks <= cpuif_req_masked and (cpuif_addr = 16#88#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#88#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#88#));
-        decoded_reg_strb.expected_weights <= cpuif_req_masked and (cpuif_addr = 16#8C#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#8C#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#8C#));
         for i0 in 0 to 2 loop
-            decoded_reg_strb.index_position(i0) <= cpuif_req_masked and (cpuif_addr = 16#90# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#90# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#90# + i0*16#4#));
+            decoded_reg_strb.trained_high(i0) <= cpuif_req_masked and (cpuif_addr = 16#80# + i0*16#4#) and not cpuif_req_is_wr;
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#80# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#80# + i0*16#4#) and not cpuif_req_is_wr);
         end loop;
-        decoded_reg_strb.current_limit_ua <= cpuif_req_masked and (cpuif_addr = 16#A0#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A0#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A0#));
-        decoded_reg_strb.current_slew_ua <= cpuif_req_masked and (cpuif_addr = 16#A4#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A4#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A4#));
-        decoded_reg_strb.period_min_clocks <= cpuif_req_masked and (cpuif_addr = 16#A8#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A8#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A8#));
-        decoded_reg_strb.saturation_clocks <= cpuif_req_masked and (cpuif_addr = 16#AC#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#AC#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#AC#));
-        decoded_reg_strb.watchdog_clocks <= cpuif_req_masked and (cpuif_addr = 16#B0#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#B0#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#B0#));
-        decoded_reg_strb.result_clocks <= cpuif_req_masked and (cpuif_addr = 16#B4#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#B4#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#B4#));
-        decoded_reg_strb.brake_clocks <= cpuif_req_masked and (cpuif_addr = 16#B8#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#B8#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#B8#));
+        decoded_reg_strb.control <= cpuif_req_masked and (cpuif_addr = 16#200#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#200#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#200#));
+        decoded_reg_strb.command <= cpuif_req_masked and (cpuif_addr = 16#204#) and cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#204#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#204#) and cpuif_req_is_wr);
+        decoded_reg_strb.tick_clocks <= cpuif_req_masked and (cpuif_addr = 16#208#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#208#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#208#));
+        decoded_reg_strb.expected_weights <= cpuif_req_masked and (cpuif_addr = 16#20C#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#20C#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#20C#));
+        decoded_reg_strb.saturation_clocks <= cpuif_req_masked and (cpuif_addr = 16#210#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#210#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#210#));
+        decoded_reg_strb.watchdog_clocks <= cpuif_req_masked and (cpuif_addr = 16#214#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#214#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#214#));
+        decoded_reg_strb.result_clocks <= cpuif_req_masked and (cpuif_addr = 16#218#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#218#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#218#));
+        decoded_reg_strb.brake_clocks <= cpuif_req_masked and (cpuif_addr = 16#21C#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#21C#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#21C#));
+        decoded_reg_strb.command_clocks <= cpuif_req_masked and (cpuif_addr = 16#220#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#220#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#220#));
+        decoded_reg_strb.hold_clocks <= cpuif_req_masked and (cpuif_addr = 16#224#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#224#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#224#));
+        decoded_reg_strb.brake_test_clocks <= cpuif_req_masked and (cpuif_addr = 16#228#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#228#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#228#));
         for i0 in 0 to 2 loop
-            decoded_reg_strb.window_low(i0) <= cpuif_req_masked and (cpuif_addr = 16#C0# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#C0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#C0# + i0*16#4#));
+            decoded_reg_strb.index_position(i0) <= cpuif_req_masked and (cpuif_addr = 16#240# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#240# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#240# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.window_high(i0) <= cpuif_req_masked and (cpuif_addr = 16#D0# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#D0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#D0# + i0*16#4#));
-        end loop;
-        decoded_reg_strb.command_bound_ua <= cpuif_req_masked and (cpuif_addr = 16#E0#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#E0#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#E0#));
-        decoded_reg_strb.command_clocks <= cpuif_req_masked and (cpuif_addr = 16#E4#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#E4#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#E4#));
-        decoded_reg_strb.hold_clocks <= cpuif_req_masked and (cpuif_addr = 16#E8#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#E8#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#E8#));
-        decoded_reg_strb.brake_test_clocks <= cpuif_req_masked and (cpuif_addr = 16#EC#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#EC#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#EC#));
-        for i0 in 0 to 2 loop
-            decoded_reg_strb.index_period(i0) <= cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#F0# + i0*16#4#));
-        end loop;
-        decoded_reg_strb.result_number <= cpuif_req_masked and (cpuif_addr = 16#100#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#100#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#100#) and not cpuif_req_is_wr);
-        decoded_reg_strb.missed_ticks <= cpuif_req_masked and (cpuif_addr = 16#104#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#104#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#104#) and not cpuif_req_is_wr);
-        decoded_reg_strb.status <= cpuif_req_masked and (cpuif_addr = 16#108#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#108#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#108#) and not cpuif_req_is_wr);
-        decoded_reg_strb.axis_flags <= cpuif_req_masked and (cpuif_addr = 16#10C#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#10C#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#10C#) and not cpuif_req_is_wr);
-        for i0 in 0 to 2 loop
-            decoded_reg_strb.position(i0) <= cpuif_req_masked and (cpuif_addr = 16#110# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#110# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#110# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.index_period(i0) <= cpuif_req_masked and (cpuif_addr = 16#260# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#260# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#260# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.speed_period(i0) <= cpuif_req_masked and (cpuif_addr = 16#120# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#120# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#120# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.window_low(i0) <= cpuif_req_masked and (cpuif_addr = 16#280# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#280# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#280# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.force_mn(i0) <= cpuif_req_masked and (cpuif_addr = 16#130# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#130# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#130# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.window_high(i0) <= cpuif_req_masked and (cpuif_addr = 16#2A0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#2A0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#2A0# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.current_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#140# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#140# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#140# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.current_limit_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#2C0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#2C0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#2C0# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.command_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#150# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#150# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#150# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.current_slew_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#2E0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#2E0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#2E0# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.position_now(i0) <= cpuif_req_masked and (cpuif_addr = 16#160# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#160# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#160# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.command_bound_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#300# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#300# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#300# + i0*16#4#));
         end loop;
-        decoded_reg_strb.cause <= cpuif_req_masked and (cpuif_addr = 16#170#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#170#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#170#) and not cpuif_req_is_wr);
-        decoded_reg_strb.fault <= cpuif_req_masked and (cpuif_addr = 16#174#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#174#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#174#));
-        decoded_reg_strb.first_cause <= cpuif_req_masked and (cpuif_addr = 16#178#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#178#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#178#) and not cpuif_req_is_wr);
         for i0 in 0 to 2 loop
-            decoded_reg_strb.first_position(i0) <= cpuif_req_masked and (cpuif_addr = 16#180# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#180# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#180# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.period_min_clocks(i0) <= cpuif_req_masked and (cpuif_addr = 16#320# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#320# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#320# + i0*16#4#));
         end loop;
-        decoded_reg_strb.control_now <= cpuif_req_masked and (cpuif_addr = 16#190#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#190#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#190#) and not cpuif_req_is_wr);
-        decoded_reg_strb.interrupt_enable <= cpuif_req_masked and (cpuif_addr = 16#1A0#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1A0#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1A0#));
-        decoded_reg_strb.interrupt_status <= cpuif_req_masked and (cpuif_addr = 16#1A4#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1A4#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1A4#));
-        decoded_reg_strb.load_unlock <= cpuif_req_masked and (cpuif_addr = 16#1B0#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1B0#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1B0#) and cpuif_req_is_wr);
-        decoded_reg_strb.load_status <= cpuif_req_masked and (cpuif_addr = 16#1B4#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1B4#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1B4#) and not cpuif_req_is_wr);
-        decoded_reg_strb.bank_crc <= cpuif_req_masked and (cpuif_addr = 16#1B8#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1B8#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1B8#) and not cpuif_req_is_wr);
-        decoded_reg_strb.load_command <= cpuif_req_masked and (cpuif_addr = 16#1C0#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1C0#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1C0#) and cpuif_req_is_wr);
-        decoded_reg_strb.load_crc <= cpuif_req_masked and (cpuif_addr = 16#1C4#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1C4#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1C4#) and cpuif_req_is_wr);
-        decoded_reg_strb.load_word <= cpuif_req_masked and (cpuif_addr = 16#1C8#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1C8#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1C8#) and cpuif_req_is_wr);
-        decoded_reg_strb.guards <= cpuif_req_masked and (cpuif_addr = 16#1D0#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#1D0#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#1D0#) and not cpuif_req_is_wr);
+        decoded_reg_strb.result_number <= cpuif_req_masked and (cpuif_addr = 16#400#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#400#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#400#) and not cpuif_req_is_wr);
+        decoded_reg_strb.missed_ticks <= cpuif_req_masked and (cpuif_addr = 16#404#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#404#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#404#) and not cpuif_req_is_wr);
+        decoded_reg_strb.status <= cpuif_req_masked and (cpuif_addr = 16#408#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#408#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#408#) and not cpuif_req_is_wr);
+        decoded_reg_strb.result_flags <= cpuif_req_masked and (cpuif_addr = 16#40C#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#40C#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#40C#) and not cpuif_req_is_wr);
+        decoded_reg_strb.command_flags <= cpuif_req_masked and (cpuif_addr = 16#410#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#410#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#410#) and not cpuif_req_is_wr);
+        decoded_reg_strb.encoder_flags <= cpuif_req_masked and (cpuif_addr = 16#414#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#414#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#414#) and not cpuif_req_is_wr);
+        decoded_reg_strb.speed_flags <= cpuif_req_masked and (cpuif_addr = 16#418#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#418#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#418#) and not cpuif_req_is_wr);
+        decoded_reg_strb.cause <= cpuif_req_masked and (cpuif_addr = 16#41C#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#41C#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#41C#) and not cpuif_req_is_wr);
+        decoded_reg_strb.fault <= cpuif_req_masked and (cpuif_addr = 16#420#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#420#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#420#));
+        decoded_reg_strb.first_cause <= cpuif_req_masked and (cpuif_addr = 16#424#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#424#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#424#) and not cpuif_req_is_wr);
+        decoded_reg_strb.control_now <= cpuif_req_masked and (cpuif_addr = 16#428#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#428#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#428#) and not cpuif_req_is_wr);
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.position(i0) <= cpuif_req_masked and (cpuif_addr = 16#440# + i0*16#4#) and not cpuif_req_is_wr;
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#440# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#440# + i0*16#4#) and not cpuif_req_is_wr);
+        end loop;
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.speed_period(i0) <= cpuif_req_masked and (cpuif_addr = 16#460# + i0*16#4#) and not cpuif_req_is_wr;
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#460# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#460# + i0*16#4#) and not cpuif_req_is_wr);
+        end loop;
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.force_mn(i0) <= cpuif_req_masked and (cpuif_addr = 16#480# + i0*16#4#) and not cpuif_req_is_wr;
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#480# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#480# + i0*16#4#) and not cpuif_req_is_wr);
+        end loop;
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.current_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#4A0# + i0*16#4#) and not cpuif_req_is_wr;
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#4A0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#4A0# + i0*16#4#) and not cpuif_req_is_wr);
+        end loop;
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.command_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#4C0# + i0*16#4#) and not cpuif_req_is_wr;
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#4C0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#4C0# + i0*16#4#) and not cpuif_req_is_wr);
+        end loop;
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.position_now(i0) <= cpuif_req_masked and (cpuif_addr = 16#4E0# + i0*16#4#) and not cpuif_req_is_wr;
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#4E0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#4E0# + i0*16#4#) and not cpuif_req_is_wr);
+        end loop;
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.first_position(i0) <= cpuif_req_masked and (cpuif_addr = 16#500# + i0*16#4#) and not cpuif_req_is_wr;
+            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#500# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#500# + i0*16#4#) and not cpuif_req_is_wr);
+        end loop;
+        decoded_reg_strb.interrupt_enable <= cpuif_req_masked and (cpuif_addr = 16#600#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#600#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#600#));
+        decoded_reg_strb.interrupt_status <= cpuif_req_masked and (cpuif_addr = 16#604#);
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#604#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#604#));
+        decoded_reg_strb.load_unlock <= cpuif_req_masked and (cpuif_addr = 16#610#) and cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#610#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#610#) and cpuif_req_is_wr);
+        decoded_reg_strb.load_status <= cpuif_req_masked and (cpuif_addr = 16#614#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#614#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#614#) and not cpuif_req_is_wr);
+        decoded_reg_strb.bank_crc <= cpuif_req_masked and (cpuif_addr = 16#618#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#618#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#618#) and not cpuif_req_is_wr);
+        decoded_reg_strb.load_command <= cpuif_req_masked and (cpuif_addr = 16#620#) and cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#620#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#620#) and cpuif_req_is_wr);
+        decoded_reg_strb.load_crc <= cpuif_req_masked and (cpuif_addr = 16#624#) and cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#624#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#624#) and cpuif_req_is_wr);
+        decoded_reg_strb.load_word <= cpuif_req_masked and (cpuif_addr = 16#628#) and cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#628#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#628#) and cpuif_req_is_wr);
+        decoded_reg_strb.guards <= cpuif_req_masked and (cpuif_addr = 16#640#) and not cpuif_req_is_wr;
+        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#640#));
+        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#640#) and not cpuif_req_is_wr);
         decoded_err <= (not is_valid_addr or (is_valid_addr and not is_valid_rw)) and decoded_req;
     end process;
 
@@ -1530,124 +1573,6 @@ begin
         end if;
     end process;
     hwif_out.expected_weights.value.value <= field_storage.expected_weights.value.value;
-    gen_field_logic_index_position_dim0: for i0 in 0 to 2 generate
-
-        -- Field: gc_registers.index_position[].value
-        process(all)
-            variable next_c: std_logic_vector(31 downto 0);
-            variable load_next_c: std_logic;
-        begin
-            next_c := field_storage.index_position(i0).value.value;
-            load_next_c := '0';
-            if decoded_reg_strb.index_position(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.index_position(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
-                load_next_c := '1';
-            end if;
-            field_combo.index_position(i0).value.next_q <= next_c;
-            field_combo.index_position(i0).value.load_next <= load_next_c;
-        end process;
-        process(clk) begin
-            if false then -- async reset
-                field_storage.index_position(i0).value.value <= 32x"0";
-            elsif rising_edge(clk) then
-                if rst then -- sync reset
-                    field_storage.index_position(i0).value.value <= 32x"0";
-                else
-                    if field_combo.index_position(i0).value.load_next then
-                        field_storage.index_position(i0).value.value <= field_combo.index_position(i0).value.next_q;
-                    end if;
-                end if;
-            end if;
-        end process;
-        hwif_out.index_position(i0).value.value <= field_storage.index_position(i0).value.value;
-    end generate;
-
-    -- Field: gc_registers.current_limit_ua.value
-    process(all)
-        variable next_c: std_logic_vector(30 downto 0);
-        variable load_next_c: std_logic;
-    begin
-        next_c := field_storage.current_limit_ua.value.value;
-        load_next_c := '0';
-        if decoded_reg_strb.current_limit_ua and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.current_limit_ua.value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
-            load_next_c := '1';
-        end if;
-        field_combo.current_limit_ua.value.next_q <= next_c;
-        field_combo.current_limit_ua.value.load_next <= load_next_c;
-    end process;
-    process(clk) begin
-        if false then -- async reset
-            field_storage.current_limit_ua.value.value <= 31x"0";
-        elsif rising_edge(clk) then
-            if rst then -- sync reset
-                field_storage.current_limit_ua.value.value <= 31x"0";
-            else
-                if field_combo.current_limit_ua.value.load_next then
-                    field_storage.current_limit_ua.value.value <= field_combo.current_limit_ua.value.next_q;
-                end if;
-            end if;
-        end if;
-    end process;
-    hwif_out.current_limit_ua.value.value <= field_storage.current_limit_ua.value.value;
-
-    -- Field: gc_registers.current_slew_ua.value
-    process(all)
-        variable next_c: std_logic_vector(30 downto 0);
-        variable load_next_c: std_logic;
-    begin
-        next_c := field_storage.current_slew_ua.value.value;
-        load_next_c := '0';
-        if decoded_reg_strb.current_slew_ua and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.current_slew_ua.value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
-            load_next_c := '1';
-        end if;
-        field_combo.current_slew_ua.value.next_q <= next_c;
-        field_combo.current_slew_ua.value.load_next <= load_next_c;
-    end process;
-    process(clk) begin
-        if false then -- async reset
-            field_storage.current_slew_ua.value.value <= 31x"0";
-        elsif rising_edge(clk) then
-            if rst then -- sync reset
-                field_storage.current_slew_ua.value.value <= 31x"0";
-            else
-                if field_combo.current_slew_ua.value.load_next then
-                    field_storage.current_slew_ua.value.value <= field_combo.current_slew_ua.value.next_q;
-                end if;
-            end if;
-        end if;
-    end process;
-    hwif_out.current_slew_ua.value.value <= field_storage.current_slew_ua.value.value;
-
-    -- Field: gc_registers.period_min_clocks.value
-    process(all)
-        variable next_c: std_logic_vector(30 downto 0);
-        variable load_next_c: std_logic;
-    begin
-        next_c := field_storage.period_min_clocks.value.value;
-        load_next_c := '0';
-        if decoded_reg_strb.period_min_clocks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.period_min_clocks.value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
-            load_next_c := '1';
-        end if;
-        field_combo.period_min_clocks.value.next_q <= next_c;
-        field_combo.period_min_clocks.value.load_next <= load_next_c;
-    end process;
-    process(clk) begin
-        if false then -- async reset
-            field_storage.period_min_clocks.value.value <= 31x"0";
-        elsif rising_edge(clk) then
-            if rst then -- sync reset
-                field_storage.period_min_clocks.value.value <= 31x"0";
-            else
-                if field_combo.period_min_clocks.value.load_next then
-                    field_storage.period_min_clocks.value.value <= field_combo.period_min_clocks.value.next_q;
-                end if;
-            end if;
-        end if;
-    end process;
-    hwif_out.period_min_clocks.value.value <= field_storage.period_min_clocks.value.value;
 
     -- Field: gc_registers.saturation_clocks.value
     process(all)
@@ -1764,97 +1689,6 @@ begin
         end if;
     end process;
     hwif_out.brake_clocks.value.value <= field_storage.brake_clocks.value.value;
-    gen_field_logic_window_low_dim0: for i0 in 0 to 2 generate
-
-        -- Field: gc_registers.window_low[].value
-        process(all)
-            variable next_c: std_logic_vector(31 downto 0);
-            variable load_next_c: std_logic;
-        begin
-            next_c := field_storage.window_low(i0).value.value;
-            load_next_c := '0';
-            if decoded_reg_strb.window_low(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.window_low(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
-                load_next_c := '1';
-            end if;
-            field_combo.window_low(i0).value.next_q <= next_c;
-            field_combo.window_low(i0).value.load_next <= load_next_c;
-        end process;
-        process(clk) begin
-            if false then -- async reset
-                field_storage.window_low(i0).value.value <= 32x"0";
-            elsif rising_edge(clk) then
-                if rst then -- sync reset
-                    field_storage.window_low(i0).value.value <= 32x"0";
-                else
-                    if field_combo.window_low(i0).value.load_next then
-                        field_storage.window_low(i0).value.value <= field_combo.window_low(i0).value.next_q;
-                    end if;
-                end if;
-            end if;
-        end process;
-        hwif_out.window_low(i0).value.value <= field_storage.window_low(i0).value.value;
-    end generate;
-    gen_field_logic_window_high_dim0: for i0 in 0 to 2 generate
-
-        -- Field: gc_registers.window_high[].value
-        process(all)
-            variable next_c: std_logic_vector(31 downto 0);
-            variable load_next_c: std_logic;
-        begin
-            next_c := field_storage.window_high(i0).value.value;
-            load_next_c := '0';
-            if decoded_reg_strb.window_high(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.window_high(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
-                load_next_c := '1';
-            end if;
-            field_combo.window_high(i0).value.next_q <= next_c;
-            field_combo.window_high(i0).value.load_next <= load_next_c;
-        end process;
-        process(clk) begin
-            if false then -- async reset
-                field_storage.window_high(i0).value.value <= 32x"0";
-            elsif rising_edge(clk) then
-                if rst then -- sync reset
-                    field_storage.window_high(i0).value.value <= 32x"0";
-                else
-                    if field_combo.window_high(i0).value.load_next then
-                        field_storage.window_high(i0).value.value <= field_combo.window_high(i0).value.next_q;
-                    end if;
-                end if;
-            end if;
-        end process;
-        hwif_out.window_high(i0).value.value <= field_storage.window_high(i0).value.value;
-    end generate;
-
-    -- Field: gc_registers.command_bound_ua.value
-    process(all)
-        variable next_c: std_logic_vector(30 downto 0);
-        variable load_next_c: std_logic;
-    begin
-        next_c := field_storage.command_bound_ua.value.value;
-        load_next_c := '0';
-        if decoded_reg_strb.command_bound_ua and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.command_bound_ua.value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
-            load_next_c := '1';
-        end if;
-        field_combo.command_bound_ua.value.next_q <= next_c;
-        field_combo.command_bound_ua.value.load_next <= load_next_c;
-    end process;
-    process(clk) begin
-        if false then -- async reset
-            field_storage.command_bound_ua.value.value <= 31x"0";
-        elsif rising_edge(clk) then
-            if rst then -- sync reset
-                field_storage.command_bound_ua.value.value <= 31x"0";
-            else
-                if field_combo.command_bound_ua.value.load_next then
-                    field_storage.command_bound_ua.value.value <= field_combo.command_bound_ua.value.next_q;
-                end if;
-            end if;
-        end if;
-    end process;
-    hwif_out.command_bound_ua.value.value <= field_storage.command_bound_ua.value.value;
 
     -- Field: gc_registers.command_clocks.value
     process(all)
@@ -1942,6 +1776,37 @@ begin
         end if;
     end process;
     hwif_out.brake_test_clocks.value.value <= field_storage.brake_test_clocks.value.value;
+    gen_field_logic_index_position_dim0: for i0 in 0 to 2 generate
+
+        -- Field: gc_registers.index_position[].value
+        process(all)
+            variable next_c: std_logic_vector(31 downto 0);
+            variable load_next_c: std_logic;
+        begin
+            next_c := field_storage.index_position(i0).value.value;
+            load_next_c := '0';
+            if decoded_reg_strb.index_position(i0) and decoded_req_is_wr then -- SW write
+                next_c := (field_storage.index_position(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                load_next_c := '1';
+            end if;
+            field_combo.index_position(i0).value.next_q <= next_c;
+            field_combo.index_position(i0).value.load_next <= load_next_c;
+        end process;
+        process(clk) begin
+            if false then -- async reset
+                field_storage.index_position(i0).value.value <= 32x"0";
+            elsif rising_edge(clk) then
+                if rst then -- sync reset
+                    field_storage.index_position(i0).value.value <= 32x"0";
+                else
+                    if field_combo.index_position(i0).value.load_next then
+                        field_storage.index_position(i0).value.value <= field_combo.index_position(i0).value.next_q;
+                    end if;
+                end if;
+            end if;
+        end process;
+        hwif_out.index_position(i0).value.value <= field_storage.index_position(i0).value.value;
+    end generate;
     gen_field_logic_index_period_dim0: for i0 in 0 to 2 generate
 
         -- Field: gc_registers.index_period[].value
@@ -1972,6 +1837,192 @@ begin
             end if;
         end process;
         hwif_out.index_period(i0).value.value <= field_storage.index_period(i0).value.value;
+    end generate;
+    gen_field_logic_window_low_dim0: for i0 in 0 to 2 generate
+
+        -- Field: gc_registers.window_low[].value
+        process(all)
+            variable next_c: std_logic_vector(31 downto 0);
+            variable load_next_c: std_logic;
+        begin
+            next_c := field_storage.window_low(i0).value.value;
+            load_next_c := '0';
+            if decoded_reg_strb.window_low(i0) and decoded_req_is_wr then -- SW write
+                next_c := (field_storage.window_low(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                load_next_c := '1';
+            end if;
+            field_combo.window_low(i0).value.next_q <= next_c;
+            field_combo.window_low(i0).value.load_next <= load_next_c;
+        end process;
+        process(clk) begin
+            if false then -- async reset
+                field_storage.window_low(i0).value.value <= 32x"0";
+            elsif rising_edge(clk) then
+                if rst then -- sync reset
+                    field_storage.window_low(i0).value.value <= 32x"0";
+                else
+                    if field_combo.window_low(i0).value.load_next then
+                        field_storage.window_low(i0).value.value <= field_combo.window_low(i0).value.next_q;
+                    end if;
+                end if;
+            end if;
+        end process;
+        hwif_out.window_low(i0).value.value <= field_storage.window_low(i0).value.value;
+    end generate;
+    gen_field_logic_window_high_dim0: for i0 in 0 to 2 generate
+
+        -- Field: gc_registers.window_high[].value
+        process(all)
+            variable next_c: std_logic_vector(31 downto 0);
+            variable load_next_c: std_logic;
+        begin
+            next_c := field_storage.window_high(i0).value.value;
+            load_next_c := '0';
+            if decoded_reg_strb.window_high(i0) and decoded_req_is_wr then -- SW write
+                next_c := (field_storage.window_high(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                load_next_c := '1';
+            end if;
+            field_combo.window_high(i0).value.next_q <= next_c;
+            field_combo.window_high(i0).value.load_next <= load_next_c;
+        end process;
+        process(clk) begin
+            if false then -- async reset
+                field_storage.window_high(i0).value.value <= 32x"0";
+            elsif rising_edge(clk) then
+                if rst then -- sync reset
+                    field_storage.window_high(i0).value.value <= 32x"0";
+                else
+                    if field_combo.window_high(i0).value.load_next then
+                        field_storage.window_high(i0).value.value <= field_combo.window_high(i0).value.next_q;
+                    end if;
+                end if;
+            end if;
+        end process;
+        hwif_out.window_high(i0).value.value <= field_storage.window_high(i0).value.value;
+    end generate;
+    gen_field_logic_current_limit_ua_dim0: for i0 in 0 to 2 generate
+
+        -- Field: gc_registers.current_limit_ua[].value
+        process(all)
+            variable next_c: std_logic_vector(30 downto 0);
+            variable load_next_c: std_logic;
+        begin
+            next_c := field_storage.current_limit_ua(i0).value.value;
+            load_next_c := '0';
+            if decoded_reg_strb.current_limit_ua(i0) and decoded_req_is_wr then -- SW write
+                next_c := (field_storage.current_limit_ua(i0).value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+                load_next_c := '1';
+            end if;
+            field_combo.current_limit_ua(i0).value.next_q <= next_c;
+            field_combo.current_limit_ua(i0).value.load_next <= load_next_c;
+        end process;
+        process(clk) begin
+            if false then -- async reset
+                field_storage.current_limit_ua(i0).value.value <= 31x"0";
+            elsif rising_edge(clk) then
+                if rst then -- sync reset
+                    field_storage.current_limit_ua(i0).value.value <= 31x"0";
+                else
+                    if field_combo.current_limit_ua(i0).value.load_next then
+                        field_storage.current_limit_ua(i0).value.value <= field_combo.current_limit_ua(i0).value.next_q;
+                    end if;
+                end if;
+            end if;
+        end process;
+        hwif_out.current_limit_ua(i0).value.value <= field_storage.current_limit_ua(i0).value.value;
+    end generate;
+    gen_field_logic_current_slew_ua_dim0: for i0 in 0 to 2 generate
+
+        -- Field: gc_registers.current_slew_ua[].value
+        process(all)
+            variable next_c: std_logic_vector(30 downto 0);
+            variable load_next_c: std_logic;
+        begin
+            next_c := field_storage.current_slew_ua(i0).value.value;
+            load_next_c := '0';
+            if decoded_reg_strb.current_slew_ua(i0) and decoded_req_is_wr then -- SW write
+                next_c := (field_storage.current_slew_ua(i0).value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+                load_next_c := '1';
+            end if;
+            field_combo.current_slew_ua(i0).value.next_q <= next_c;
+            field_combo.current_slew_ua(i0).value.load_next <= load_next_c;
+        end process;
+        process(clk) begin
+            if false then -- async reset
+                field_storage.current_slew_ua(i0).value.value <= 31x"0";
+            elsif rising_edge(clk) then
+                if rst then -- sync reset
+                    field_storage.current_slew_ua(i0).value.value <= 31x"0";
+                else
+                    if field_combo.current_slew_ua(i0).value.load_next then
+                        field_storage.current_slew_ua(i0).value.value <= field_combo.current_slew_ua(i0).value.next_q;
+                    end if;
+                end if;
+            end if;
+        end process;
+        hwif_out.current_slew_ua(i0).value.value <= field_storage.current_slew_ua(i0).value.value;
+    end generate;
+    gen_field_logic_command_bound_ua_dim0: for i0 in 0 to 2 generate
+
+        -- Field: gc_registers.command_bound_ua[].value
+        process(all)
+            variable next_c: std_logic_vector(30 downto 0);
+            variable load_next_c: std_logic;
+        begin
+            next_c := field_storage.command_bound_ua(i0).value.value;
+            load_next_c := '0';
+            if decoded_reg_strb.command_bound_ua(i0) and decoded_req_is_wr then -- SW write
+                next_c := (field_storage.command_bound_ua(i0).value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+                load_next_c := '1';
+            end if;
+            field_combo.command_bound_ua(i0).value.next_q <= next_c;
+            field_combo.command_bound_ua(i0).value.load_next <= load_next_c;
+        end process;
+        process(clk) begin
+            if false then -- async reset
+                field_storage.command_bound_ua(i0).value.value <= 31x"0";
+            elsif rising_edge(clk) then
+                if rst then -- sync reset
+                    field_storage.command_bound_ua(i0).value.value <= 31x"0";
+                else
+                    if field_combo.command_bound_ua(i0).value.load_next then
+                        field_storage.command_bound_ua(i0).value.value <= field_combo.command_bound_ua(i0).value.next_q;
+                    end if;
+                end if;
+            end if;
+        end process;
+        hwif_out.command_bound_ua(i0).value.value <= field_storage.command_bound_ua(i0).value.value;
+    end generate;
+    gen_field_logic_period_min_clocks_dim0: for i0 in 0 to 2 generate
+
+        -- Field: gc_registers.period_min_clocks[].value
+        process(all)
+            variable next_c: std_logic_vector(30 downto 0);
+            variable load_next_c: std_logic;
+        begin
+            next_c := field_storage.period_min_clocks(i0).value.value;
+            load_next_c := '0';
+            if decoded_reg_strb.period_min_clocks(i0) and decoded_req_is_wr then -- SW write
+                next_c := (field_storage.period_min_clocks(i0).value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+                load_next_c := '1';
+            end if;
+            field_combo.period_min_clocks(i0).value.next_q <= next_c;
+            field_combo.period_min_clocks(i0).value.load_next <= load_next_c;
+        end process;
+        process(clk) begin
+            if false then -- async reset
+                field_storage.period_min_clocks(i0).value.value <= 31x"0";
+            elsif rising_edge(clk) then
+                if rst then -- sync reset
+                    field_storage.period_min_clocks(i0).value.value <= 31x"0";
+                else
+                    if field_combo.period_min_clocks(i0).value.load_next then
+                        field_storage.period_min_clocks(i0).value.value <= field_combo.period_min_clocks(i0).value.next_q;
+                    end if;
+                end if;
+            end if;
+        end process;
+        hwif_out.period_min_clocks(i0).value.value <= field_storage.period_min_clocks(i0).value.value;
     end generate;
 
     -- Field: gc_registers.fault.clear
@@ -2448,29 +2499,96 @@ begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
                 rbuf_storage.status.data(2 downto 0) <= hwif_in.status.state.next_q;
-                rbuf_storage.status.data(3 downto 3) <= (others => '0');
-                rbuf_storage.status.data(6 downto 4) <= hwif_in.status.released.next_q;
-                rbuf_storage.status.data(7 downto 7) <= (others => '0');
+                rbuf_storage.status.data(7 downto 3) <= (others => '0');
                 rbuf_storage.status.data(8 downto 8) <= to_std_logic_vector(hwif_in.status.run.next_q);
                 rbuf_storage.status.data(9 downto 9) <= to_std_logic_vector(hwif_in.status.busy.next_q);
-                rbuf_storage.status.data(31 downto 10) <= (others => '0');
+                rbuf_storage.status.data(15 downto 10) <= (others => '0');
+                rbuf_storage.status.data(18 downto 16) <= hwif_in.status.released.next_q;
+                rbuf_storage.status.data(31 downto 19) <= (others => '0');
             end if;
         end if;
     end process;
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.axis_flags.data(2 downto 0) <= hwif_in.axis_flags.clamped.next_q;
-                rbuf_storage.axis_flags.data(5 downto 3) <= hwif_in.axis_flags.saturated.next_q;
-                rbuf_storage.axis_flags.data(8 downto 6) <= hwif_in.axis_flags.limited.next_q;
-                rbuf_storage.axis_flags.data(11 downto 9) <= hwif_in.axis_flags.reached.next_q;
-                rbuf_storage.axis_flags.data(14 downto 12) <= hwif_in.axis_flags.referenced.next_q;
-                rbuf_storage.axis_flags.data(17 downto 15) <= hwif_in.axis_flags.illegal.next_q;
-                rbuf_storage.axis_flags.data(20 downto 18) <= hwif_in.axis_flags.glitch.next_q;
-                rbuf_storage.axis_flags.data(23 downto 21) <= hwif_in.axis_flags.speed_valid.next_q;
-                rbuf_storage.axis_flags.data(26 downto 24) <= hwif_in.axis_flags.speed_zero.next_q;
-                rbuf_storage.axis_flags.data(29 downto 27) <= hwif_in.axis_flags.deviates.next_q;
-                rbuf_storage.axis_flags.data(31 downto 30) <= (others => '0');
+                rbuf_storage.result_flags.data(2 downto 0) <= hwif_in.result_flags.clamped.next_q;
+                rbuf_storage.result_flags.data(7 downto 3) <= (others => '0');
+                rbuf_storage.result_flags.data(10 downto 8) <= hwif_in.result_flags.saturated.next_q;
+                rbuf_storage.result_flags.data(31 downto 11) <= (others => '0');
+            end if;
+        end if;
+    end process;
+    process(clk) begin
+        if rising_edge(clk) then
+            if decoded_reg_strb.result_number and not decoded_req_is_wr then
+                rbuf_storage.command_flags.data(2 downto 0) <= hwif_in.command_flags.limited.next_q;
+                rbuf_storage.command_flags.data(7 downto 3) <= (others => '0');
+                rbuf_storage.command_flags.data(10 downto 8) <= hwif_in.command_flags.reached.next_q;
+                rbuf_storage.command_flags.data(15 downto 11) <= (others => '0');
+                rbuf_storage.command_flags.data(18 downto 16) <= hwif_in.command_flags.deviates.next_q;
+                rbuf_storage.command_flags.data(31 downto 19) <= (others => '0');
+            end if;
+        end if;
+    end process;
+    process(clk) begin
+        if rising_edge(clk) then
+            if decoded_reg_strb.result_number and not decoded_req_is_wr then
+                rbuf_storage.encoder_flags.data(2 downto 0) <= hwif_in.encoder_flags.referenced.next_q;
+                rbuf_storage.encoder_flags.data(7 downto 3) <= (others => '0');
+                rbuf_storage.encoder_flags.data(10 downto 8) <= hwif_in.encoder_flags.illegal.next_q;
+                rbuf_storage.encoder_flags.data(15 downto 11) <= (others => '0');
+                rbuf_storage.encoder_flags.data(18 downto 16) <= hwif_in.encoder_flags.glitch.next_q;
+                rbuf_storage.encoder_flags.data(31 downto 19) <= (others => '0');
+            end if;
+        end if;
+    end process;
+    process(clk) begin
+        if rising_edge(clk) then
+            if decoded_reg_strb.result_number and not decoded_req_is_wr then
+                rbuf_storage.speed_flags.data(2 downto 0) <= hwif_in.speed_flags.speed_valid.next_q;
+                rbuf_storage.speed_flags.data(7 downto 3) <= (others => '0');
+                rbuf_storage.speed_flags.data(10 downto 8) <= hwif_in.speed_flags.speed_zero.next_q;
+                rbuf_storage.speed_flags.data(31 downto 11) <= (others => '0');
+            end if;
+        end if;
+    end process;
+    process(clk) begin
+        if rising_edge(clk) then
+            if decoded_reg_strb.result_number and not decoded_req_is_wr then
+                rbuf_storage.cause.data(15 downto 0) <= hwif_in.cause.value.next_q;
+                rbuf_storage.cause.data(31 downto 16) <= (others => '0');
+            end if;
+        end if;
+    end process;
+    process(clk) begin
+        if rising_edge(clk) then
+            if decoded_reg_strb.result_number and not decoded_req_is_wr then
+                rbuf_storage.fault.data(15 downto 0) <= field_storage.fault.clear.value;
+                rbuf_storage.fault.data(0 downto 0) <= to_std_logic_vector(hwif_in.fault.estop.next_q);
+                rbuf_storage.fault.data(1 downto 1) <= to_std_logic_vector(hwif_in.fault.encoder.next_q);
+                rbuf_storage.fault.data(2 downto 2) <= to_std_logic_vector(hwif_in.fault.crc.next_q);
+                rbuf_storage.fault.data(3 downto 3) <= to_std_logic_vector(hwif_in.fault.rom.next_q);
+                rbuf_storage.fault.data(4 downto 4) <= to_std_logic_vector(hwif_in.fault.speed.next_q);
+                rbuf_storage.fault.data(5 downto 5) <= to_std_logic_vector(hwif_in.fault.position.next_q);
+                rbuf_storage.fault.data(6 downto 6) <= to_std_logic_vector(hwif_in.fault.saturation.next_q);
+                rbuf_storage.fault.data(7 downto 7) <= to_std_logic_vector(hwif_in.fault.watchdog.next_q);
+                rbuf_storage.fault.data(8 downto 8) <= to_std_logic_vector(hwif_in.fault.result.next_q);
+                rbuf_storage.fault.data(9 downto 9) <= to_std_logic_vector(hwif_in.fault.unreferenced.next_q);
+                rbuf_storage.fault.data(10 downto 10) <= to_std_logic_vector(hwif_in.fault.command.next_q);
+                rbuf_storage.fault.data(11 downto 11) <= to_std_logic_vector(hwif_in.fault.hold.next_q);
+                rbuf_storage.fault.data(12 downto 12) <= to_std_logic_vector(hwif_in.fault.brake.next_q);
+                rbuf_storage.fault.data(13 downto 13) <= to_std_logic_vector(hwif_in.fault.clock.next_q);
+                rbuf_storage.fault.data(14 downto 14) <= to_std_logic_vector(hwif_in.fault.core.next_q);
+                rbuf_storage.fault.data(15 downto 15) <= to_std_logic_vector(hwif_in.fault.upset.next_q);
+                rbuf_storage.fault.data(31 downto 16) <= (others => '0');
+            end if;
+        end if;
+    end process;
+    process(clk) begin
+        if rising_edge(clk) then
+            if decoded_reg_strb.result_number and not decoded_req_is_wr then
+                rbuf_storage.first_cause.data(15 downto 0) <= hwif_in.first_cause.value.next_q;
+                rbuf_storage.first_cause.data(31 downto 16) <= (others => '0');
             end if;
         end if;
     end process;
@@ -2528,46 +2646,6 @@ begin
             end if;
         end process;
     end generate;
-    process(clk) begin
-        if rising_edge(clk) then
-            if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.cause.data(15 downto 0) <= hwif_in.cause.value.next_q;
-                rbuf_storage.cause.data(31 downto 16) <= (others => '0');
-            end if;
-        end if;
-    end process;
-    process(clk) begin
-        if rising_edge(clk) then
-            if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.fault.data(15 downto 0) <= field_storage.fault.clear.value;
-                rbuf_storage.fault.data(0 downto 0) <= to_std_logic_vector(hwif_in.fault.estop.next_q);
-                rbuf_storage.fault.data(1 downto 1) <= to_std_logic_vector(hwif_in.fault.encoder.next_q);
-                rbuf_storage.fault.data(2 downto 2) <= to_std_logic_vector(hwif_in.fault.crc.next_q);
-                rbuf_storage.fault.data(3 downto 3) <= to_std_logic_vector(hwif_in.fault.rom.next_q);
-                rbuf_storage.fault.data(4 downto 4) <= to_std_logic_vector(hwif_in.fault.speed.next_q);
-                rbuf_storage.fault.data(5 downto 5) <= to_std_logic_vector(hwif_in.fault.position.next_q);
-                rbuf_storage.fault.data(6 downto 6) <= to_std_logic_vector(hwif_in.fault.saturation.next_q);
-                rbuf_storage.fault.data(7 downto 7) <= to_std_logic_vector(hwif_in.fault.watchdog.next_q);
-                rbuf_storage.fault.data(8 downto 8) <= to_std_logic_vector(hwif_in.fault.result.next_q);
-                rbuf_storage.fault.data(9 downto 9) <= to_std_logic_vector(hwif_in.fault.unreferenced.next_q);
-                rbuf_storage.fault.data(10 downto 10) <= to_std_logic_vector(hwif_in.fault.command.next_q);
-                rbuf_storage.fault.data(11 downto 11) <= to_std_logic_vector(hwif_in.fault.hold.next_q);
-                rbuf_storage.fault.data(12 downto 12) <= to_std_logic_vector(hwif_in.fault.brake.next_q);
-                rbuf_storage.fault.data(13 downto 13) <= to_std_logic_vector(hwif_in.fault.clock.next_q);
-                rbuf_storage.fault.data(14 downto 14) <= to_std_logic_vector(hwif_in.fault.core.next_q);
-                rbuf_storage.fault.data(15 downto 15) <= to_std_logic_vector(hwif_in.fault.upset.next_q);
-                rbuf_storage.fault.data(31 downto 16) <= (others => '0');
-            end if;
-        end if;
-    end process;
-    process(clk) begin
-        if rising_edge(clk) then
-            if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.first_cause.data(15 downto 0) <= hwif_in.first_cause.value.next_q;
-                rbuf_storage.first_cause.data(31 downto 16) <= (others => '0');
-            end if;
-        end if;
-    end process;
     gen_rbuf_logic_first_position_dim0: for i0 in 0 to 2 generate
         process(clk) begin
             if rising_edge(clk) then
@@ -2598,7 +2676,7 @@ begin
         end if;
         if rd_mux_addr = 16#4# then
             readback_data_var(7 downto 0) := 8x"0";
-            readback_data_var(15 downto 8) := 8x"2";
+            readback_data_var(15 downto 8) := 8x"3";
             readback_data_var(23 downto 16) := 8x"0";
         end if;
         if rd_mux_addr = 16#8# then
@@ -2620,167 +2698,184 @@ begin
                 readback_data_var(31 downto 0) := hwif_in.compensation_hash(i0).value.next_q;
             end if;
         end loop;
+        if rd_mux_addr = 16#50# then
+            readback_data_var(15 downto 0) := hwif_in.encoder_geometry.filter_samples.next_q;
+        end if;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#50# + i0 * 16#4# then
+            if rd_mux_addr = 16#60# + i0 * 16#4# then
                 readback_data_var(31 downto 0) := hwif_in.trained_low(i0).value.next_q;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#60# + i0 * 16#4# then
+            if rd_mux_addr = 16#80# + i0 * 16#4# then
                 readback_data_var(31 downto 0) := hwif_in.trained_high(i0).value.next_q;
             end if;
         end loop;
-        if rd_mux_addr = 16#70# then
-            readback_data_var(15 downto 0) := hwif_in.encoder_geometry.filter_samples.next_q;
-        end if;
-        if rd_mux_addr = 16#80# then
+        if rd_mux_addr = 16#200# then
             readback_data_var(0) := field_storage.control.enable.value;
             readback_data_var(1) := field_storage.control.tick_enable.value;
             readback_data_var(6 downto 4) := field_storage.control.home_enable.value;
         end if;
-        if rd_mux_addr = 16#88# then
+        if rd_mux_addr = 16#208# then
             readback_data_var(31 downto 0) := field_storage.tick_clocks.value.value;
         end if;
-        if rd_mux_addr = 16#8C# then
+        if rd_mux_addr = 16#20C# then
             readback_data_var(31 downto 0) := field_storage.expected_weights.value.value;
         end if;
+        if rd_mux_addr = 16#210# then
+            readback_data_var(31 downto 0) := field_storage.saturation_clocks.value.value;
+        end if;
+        if rd_mux_addr = 16#214# then
+            readback_data_var(31 downto 0) := field_storage.watchdog_clocks.value.value;
+        end if;
+        if rd_mux_addr = 16#218# then
+            readback_data_var(31 downto 0) := field_storage.result_clocks.value.value;
+        end if;
+        if rd_mux_addr = 16#21C# then
+            readback_data_var(31 downto 0) := field_storage.brake_clocks.value.value;
+        end if;
+        if rd_mux_addr = 16#220# then
+            readback_data_var(31 downto 0) := field_storage.command_clocks.value.value;
+        end if;
+        if rd_mux_addr = 16#224# then
+            readback_data_var(31 downto 0) := field_storage.hold_clocks.value.value;
+        end if;
+        if rd_mux_addr = 16#228# then
+            readback_data_var(31 downto 0) := field_storage.brake_test_clocks.value.value;
+        end if;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#90# + i0 * 16#4# then
+            if rd_mux_addr = 16#240# + i0 * 16#4# then
                 readback_data_var(31 downto 0) := field_storage.index_position(i0).value.value;
             end if;
         end loop;
-        if rd_mux_addr = 16#A0# then
-            readback_data_var(30 downto 0) := field_storage.current_limit_ua.value.value;
-        end if;
-        if rd_mux_addr = 16#A4# then
-            readback_data_var(30 downto 0) := field_storage.current_slew_ua.value.value;
-        end if;
-        if rd_mux_addr = 16#A8# then
-            readback_data_var(30 downto 0) := field_storage.period_min_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#AC# then
-            readback_data_var(31 downto 0) := field_storage.saturation_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#B0# then
-            readback_data_var(31 downto 0) := field_storage.watchdog_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#B4# then
-            readback_data_var(31 downto 0) := field_storage.result_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#B8# then
-            readback_data_var(31 downto 0) := field_storage.brake_clocks.value.value;
-        end if;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#C0# + i0 * 16#4# then
+            if rd_mux_addr = 16#260# + i0 * 16#4# then
+                readback_data_var(31 downto 0) := field_storage.index_period(i0).value.value;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#280# + i0 * 16#4# then
                 readback_data_var(31 downto 0) := field_storage.window_low(i0).value.value;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#D0# + i0 * 16#4# then
+            if rd_mux_addr = 16#2A0# + i0 * 16#4# then
                 readback_data_var(31 downto 0) := field_storage.window_high(i0).value.value;
             end if;
         end loop;
-        if rd_mux_addr = 16#E0# then
-            readback_data_var(30 downto 0) := field_storage.command_bound_ua.value.value;
-        end if;
-        if rd_mux_addr = 16#E4# then
-            readback_data_var(31 downto 0) := field_storage.command_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#E8# then
-            readback_data_var(31 downto 0) := field_storage.hold_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#EC# then
-            readback_data_var(31 downto 0) := field_storage.brake_test_clocks.value.value;
-        end if;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#F0# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.index_period(i0).value.value;
+            if rd_mux_addr = 16#2C0# + i0 * 16#4# then
+                readback_data_var(30 downto 0) := field_storage.current_limit_ua(i0).value.value;
             end if;
         end loop;
-        if rd_mux_addr = 16#100# then
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#2E0# + i0 * 16#4# then
+                readback_data_var(30 downto 0) := field_storage.current_slew_ua(i0).value.value;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#300# + i0 * 16#4# then
+                readback_data_var(30 downto 0) := field_storage.command_bound_ua(i0).value.value;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#320# + i0 * 16#4# then
+                readback_data_var(30 downto 0) := field_storage.period_min_clocks(i0).value.value;
+            end if;
+        end loop;
+        if rd_mux_addr = 16#400# then
             readback_data_var(31 downto 0) := hwif_in.result_number.value.next_q;
         end if;
-        if rd_mux_addr = 16#104# then
+        if rd_mux_addr = 16#404# then
             readback_data_var(31 downto 0) := rbuf_storage.missed_ticks.data;
         end if;
-        if rd_mux_addr = 16#108# then
+        if rd_mux_addr = 16#408# then
             readback_data_var(31 downto 0) := rbuf_storage.status.data;
         end if;
-        if rd_mux_addr = 16#10C# then
-            readback_data_var(31 downto 0) := rbuf_storage.axis_flags.data;
+        if rd_mux_addr = 16#40C# then
+            readback_data_var(31 downto 0) := rbuf_storage.result_flags.data;
         end if;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#110# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.position(i0).data;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#120# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.speed_period(i0).data;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#130# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.force_mn(i0).data;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#140# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.current_ua(i0).data;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#150# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.command_ua(i0).data;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#160# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.position_now(i0).data;
-            end if;
-        end loop;
-        if rd_mux_addr = 16#170# then
+        if rd_mux_addr = 16#410# then
+            readback_data_var(31 downto 0) := rbuf_storage.command_flags.data;
+        end if;
+        if rd_mux_addr = 16#414# then
+            readback_data_var(31 downto 0) := rbuf_storage.encoder_flags.data;
+        end if;
+        if rd_mux_addr = 16#418# then
+            readback_data_var(31 downto 0) := rbuf_storage.speed_flags.data;
+        end if;
+        if rd_mux_addr = 16#41C# then
             readback_data_var(31 downto 0) := rbuf_storage.cause.data;
         end if;
-        if rd_mux_addr = 16#174# then
+        if rd_mux_addr = 16#420# then
             readback_data_var(31 downto 0) := rbuf_storage.fault.data;
         end if;
-        if rd_mux_addr = 16#178# then
+        if rd_mux_addr = 16#424# then
             readback_data_var(31 downto 0) := rbuf_storage.first_cause.data;
         end if;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#180# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.first_position(i0).data;
-            end if;
-        end loop;
-        if rd_mux_addr = 16#190# then
+        if rd_mux_addr = 16#428# then
             readback_data_var(0) := hwif_in.control_now.enable.next_q;
             readback_data_var(1) := hwif_in.control_now.tick_enable.next_q;
             readback_data_var(6 downto 4) := hwif_in.control_now.home_enable.next_q;
         end if;
-        if rd_mux_addr = 16#1A0# then
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#440# + i0 * 16#4# then
+                readback_data_var(31 downto 0) := rbuf_storage.position(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#460# + i0 * 16#4# then
+                readback_data_var(31 downto 0) := rbuf_storage.speed_period(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#480# + i0 * 16#4# then
+                readback_data_var(31 downto 0) := rbuf_storage.force_mn(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#4A0# + i0 * 16#4# then
+                readback_data_var(31 downto 0) := rbuf_storage.current_ua(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#4C0# + i0 * 16#4# then
+                readback_data_var(31 downto 0) := rbuf_storage.command_ua(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#4E0# + i0 * 16#4# then
+                readback_data_var(31 downto 0) := rbuf_storage.position_now(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if rd_mux_addr = 16#500# + i0 * 16#4# then
+                readback_data_var(31 downto 0) := rbuf_storage.first_position(i0).data;
+            end if;
+        end loop;
+        if rd_mux_addr = 16#600# then
             readback_data_var(0) := field_storage.interrupt_enable.result.value;
             readback_data_var(1) := field_storage.interrupt_enable.fault.value;
             readback_data_var(2) := field_storage.interrupt_enable.missed_tick.value;
             readback_data_var(3) := field_storage.interrupt_enable.core_stopped.value;
         end if;
-        if rd_mux_addr = 16#1A4# then
+        if rd_mux_addr = 16#604# then
             readback_data_var(0) := field_storage.interrupt_status.result.value;
             readback_data_var(1) := field_storage.interrupt_status.fault.value;
             readback_data_var(2) := field_storage.interrupt_status.missed_tick.value;
             readback_data_var(3) := field_storage.interrupt_status.core_stopped.value;
         end if;
-        if rd_mux_addr = 16#1B4# then
+        if rd_mux_addr = 16#614# then
             readback_data_var(0) := hwif_in.load_status.loadable.next_q;
             readback_data_var(1) := hwif_in.load_status.unlocked.next_q;
             readback_data_var(2) := hwif_in.load_status.bad.next_q;
             readback_data_var(3) := hwif_in.load_status.waiting.next_q;
             readback_data_var(5 downto 4) := hwif_in.load_status.bank.next_q;
         end if;
-        if rd_mux_addr = 16#1B8# then
+        if rd_mux_addr = 16#618# then
             readback_data_var(31 downto 0) := hwif_in.bank_crc.value.next_q;
         end if;
-        if rd_mux_addr = 16#1D0# then
+        if rd_mux_addr = 16#640# then
             readback_data_var(0) := hwif_in.guards.core_clock.next_q;
             readback_data_var(6 downto 4) := hwif_in.guards.feedback.next_q;
         end if;

@@ -8,7 +8,8 @@ package gc_registers_pkg is
 
     constant GC_REGISTERS_DATA_WIDTH : positive := 32;
     constant GC_REGISTERS_MIN_ADDR_WIDTH : positive := 12;
-    constant GC_REGISTERS_SIZE : positive := 468;
+    constant GC_REGISTERS_SIZE : positive := 1604;
+    constant AXES : integer := 3;
 
     type gc_registers_geometry_inputs_in_t is record
         next_q : std_logic_vector(7 downto 0);
@@ -59,6 +60,14 @@ package gc_registers_pkg is
     end record;
     type gc_registers_compensation_hashx_in_t_array is array(natural range <>) of gc_registers_compensation_hashx_in_t;
 
+    type gc_registers_encoder_geometry_filter_samples_in_t is record
+        next_q : std_logic_vector(15 downto 0);
+    end record;
+
+    type gc_registers_encoder_geometry_in_t is record
+        filter_samples : gc_registers_encoder_geometry_filter_samples_in_t;
+    end record;
+
     type gc_registers_trained_lowx_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
     end record;
@@ -76,14 +85,6 @@ package gc_registers_pkg is
         value : gc_registers_trained_highx_value_in_t;
     end record;
     type gc_registers_trained_highx_in_t_array is array(natural range <>) of gc_registers_trained_highx_in_t;
-
-    type gc_registers_encoder_geometry_filter_samples_in_t is record
-        next_q : std_logic_vector(15 downto 0);
-    end record;
-
-    type gc_registers_encoder_geometry_in_t is record
-        filter_samples : gc_registers_encoder_geometry_filter_samples_in_t;
-    end record;
 
     type gc_registers_result_number_value_in_t is record
         next_q : std_logic_vector(31 downto 0);
@@ -105,10 +106,6 @@ package gc_registers_pkg is
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_status_released_in_t is record
-        next_q : std_logic_vector(2 downto 0);
-    end record;
-
     type gc_registers_status_run_in_t is record
         next_q : std_logic;
     end record;
@@ -117,119 +114,78 @@ package gc_registers_pkg is
         next_q : std_logic;
     end record;
 
+    type gc_registers_status_released_in_t is record
+        next_q : std_logic_vector(2 downto 0);
+    end record;
+
     type gc_registers_status_in_t is record
         state : gc_registers_status_state_in_t;
-        released : gc_registers_status_released_in_t;
         run : gc_registers_status_run_in_t;
         busy : gc_registers_status_busy_in_t;
+        released : gc_registers_status_released_in_t;
     end record;
 
-    type gc_registers_axis_flags_clamped_in_t is record
+    type gc_registers_result_flags_clamped_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_saturated_in_t is record
+    type gc_registers_result_flags_saturated_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_limited_in_t is record
+    type gc_registers_result_flags_in_t is record
+        clamped : gc_registers_result_flags_clamped_in_t;
+        saturated : gc_registers_result_flags_saturated_in_t;
+    end record;
+
+    type gc_registers_command_flags_limited_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_reached_in_t is record
+    type gc_registers_command_flags_reached_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_referenced_in_t is record
+    type gc_registers_command_flags_deviates_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_illegal_in_t is record
+    type gc_registers_command_flags_in_t is record
+        limited : gc_registers_command_flags_limited_in_t;
+        reached : gc_registers_command_flags_reached_in_t;
+        deviates : gc_registers_command_flags_deviates_in_t;
+    end record;
+
+    type gc_registers_encoder_flags_referenced_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_glitch_in_t is record
+    type gc_registers_encoder_flags_illegal_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_speed_valid_in_t is record
+    type gc_registers_encoder_flags_glitch_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_speed_zero_in_t is record
+    type gc_registers_encoder_flags_in_t is record
+        referenced : gc_registers_encoder_flags_referenced_in_t;
+        illegal : gc_registers_encoder_flags_illegal_in_t;
+        glitch : gc_registers_encoder_flags_glitch_in_t;
+    end record;
+
+    type gc_registers_speed_flags_speed_valid_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_deviates_in_t is record
+    type gc_registers_speed_flags_speed_zero_in_t is record
         next_q : std_logic_vector(2 downto 0);
     end record;
 
-    type gc_registers_axis_flags_in_t is record
-        clamped : gc_registers_axis_flags_clamped_in_t;
-        saturated : gc_registers_axis_flags_saturated_in_t;
-        limited : gc_registers_axis_flags_limited_in_t;
-        reached : gc_registers_axis_flags_reached_in_t;
-        referenced : gc_registers_axis_flags_referenced_in_t;
-        illegal : gc_registers_axis_flags_illegal_in_t;
-        glitch : gc_registers_axis_flags_glitch_in_t;
-        speed_valid : gc_registers_axis_flags_speed_valid_in_t;
-        speed_zero : gc_registers_axis_flags_speed_zero_in_t;
-        deviates : gc_registers_axis_flags_deviates_in_t;
+    type gc_registers_speed_flags_in_t is record
+        speed_valid : gc_registers_speed_flags_speed_valid_in_t;
+        speed_zero : gc_registers_speed_flags_speed_zero_in_t;
     end record;
-
-    type gc_registers_positionx_value_in_t is record
-        next_q : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_positionx_in_t is record
-        value : gc_registers_positionx_value_in_t;
-    end record;
-    type gc_registers_positionx_in_t_array is array(natural range <>) of gc_registers_positionx_in_t;
-
-    type gc_registers_speed_periodx_value_in_t is record
-        next_q : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_speed_periodx_in_t is record
-        value : gc_registers_speed_periodx_value_in_t;
-    end record;
-    type gc_registers_speed_periodx_in_t_array is array(natural range <>) of gc_registers_speed_periodx_in_t;
-
-    type gc_registers_force_mnx_value_in_t is record
-        next_q : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_force_mnx_in_t is record
-        value : gc_registers_force_mnx_value_in_t;
-    end record;
-    type gc_registers_force_mnx_in_t_array is array(natural range <>) of gc_registers_force_mnx_in_t;
-
-    type gc_registers_current_uax_value_in_t is record
-        next_q : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_current_uax_in_t is record
-        value : gc_registers_current_uax_value_in_t;
-    end record;
-    type gc_registers_current_uax_in_t_array is array(natural range <>) of gc_registers_current_uax_in_t;
-
-    type gc_registers_command_uax_value_in_t is record
-        next_q : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_command_uax_in_t is record
-        value : gc_registers_command_uax_value_in_t;
-    end record;
-    type gc_registers_command_uax_in_t_array is array(natural range <>) of gc_registers_command_uax_in_t;
-
-    type gc_registers_position_nowx_value_in_t is record
-        next_q : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_position_nowx_in_t is record
-        value : gc_registers_position_nowx_value_in_t;
-    end record;
-    type gc_registers_position_nowx_in_t_array is array(natural range <>) of gc_registers_position_nowx_in_t;
 
     type gc_registers_cause_value_in_t is record
         next_q : std_logic_vector(15 downto 0);
@@ -335,15 +291,6 @@ package gc_registers_pkg is
         value : gc_registers_first_cause_value_in_t;
     end record;
 
-    type gc_registers_first_positionx_value_in_t is record
-        next_q : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_first_positionx_in_t is record
-        value : gc_registers_first_positionx_value_in_t;
-    end record;
-    type gc_registers_first_positionx_in_t_array is array(natural range <>) of gc_registers_first_positionx_in_t;
-
     type gc_registers_control_now_enable_in_t is record
         next_q : std_logic;
     end record;
@@ -361,6 +308,69 @@ package gc_registers_pkg is
         tick_enable : gc_registers_control_now_tick_enable_in_t;
         home_enable : gc_registers_control_now_home_enable_in_t;
     end record;
+
+    type gc_registers_positionx_value_in_t is record
+        next_q : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_positionx_in_t is record
+        value : gc_registers_positionx_value_in_t;
+    end record;
+    type gc_registers_positionx_in_t_array is array(natural range <>) of gc_registers_positionx_in_t;
+
+    type gc_registers_speed_periodx_value_in_t is record
+        next_q : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_speed_periodx_in_t is record
+        value : gc_registers_speed_periodx_value_in_t;
+    end record;
+    type gc_registers_speed_periodx_in_t_array is array(natural range <>) of gc_registers_speed_periodx_in_t;
+
+    type gc_registers_force_mnx_value_in_t is record
+        next_q : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_force_mnx_in_t is record
+        value : gc_registers_force_mnx_value_in_t;
+    end record;
+    type gc_registers_force_mnx_in_t_array is array(natural range <>) of gc_registers_force_mnx_in_t;
+
+    type gc_registers_current_uax_value_in_t is record
+        next_q : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_current_uax_in_t is record
+        value : gc_registers_current_uax_value_in_t;
+    end record;
+    type gc_registers_current_uax_in_t_array is array(natural range <>) of gc_registers_current_uax_in_t;
+
+    type gc_registers_command_uax_value_in_t is record
+        next_q : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_command_uax_in_t is record
+        value : gc_registers_command_uax_value_in_t;
+    end record;
+    type gc_registers_command_uax_in_t_array is array(natural range <>) of gc_registers_command_uax_in_t;
+
+    type gc_registers_position_nowx_value_in_t is record
+        next_q : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_position_nowx_in_t is record
+        value : gc_registers_position_nowx_value_in_t;
+    end record;
+    type gc_registers_position_nowx_in_t_array is array(natural range <>) of gc_registers_position_nowx_in_t;
+
+    type gc_registers_first_positionx_value_in_t is record
+        next_q : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_first_positionx_in_t is record
+        value : gc_registers_first_positionx_value_in_t;
+    end record;
+    type gc_registers_first_positionx_in_t_array is array(natural range <>) of gc_registers_first_positionx_in_t;
 
     type gc_registers_interrupt_status_result_in_t is record
         next_q : std_logic;
@@ -447,24 +457,27 @@ package gc_registers_pkg is
         clock_hz : gc_registers_clock_hz_in_t;
         weights_hash : gc_registers_weights_hashx_in_t_array(0 to 7);
         compensation_hash : gc_registers_compensation_hashx_in_t_array(0 to 7);
+        encoder_geometry : gc_registers_encoder_geometry_in_t;
         trained_low : gc_registers_trained_lowx_in_t_array(0 to 2);
         trained_high : gc_registers_trained_highx_in_t_array(0 to 2);
-        encoder_geometry : gc_registers_encoder_geometry_in_t;
         result_number : gc_registers_result_number_in_t;
         missed_ticks : gc_registers_missed_ticks_in_t;
         status : gc_registers_status_in_t;
-        axis_flags : gc_registers_axis_flags_in_t;
+        result_flags : gc_registers_result_flags_in_t;
+        command_flags : gc_registers_command_flags_in_t;
+        encoder_flags : gc_registers_encoder_flags_in_t;
+        speed_flags : gc_registers_speed_flags_in_t;
+        cause : gc_registers_cause_in_t;
+        fault : gc_registers_fault_in_t;
+        first_cause : gc_registers_first_cause_in_t;
+        control_now : gc_registers_control_now_in_t;
         position : gc_registers_positionx_in_t_array(0 to 2);
         speed_period : gc_registers_speed_periodx_in_t_array(0 to 2);
         force_mn : gc_registers_force_mnx_in_t_array(0 to 2);
         current_ua : gc_registers_current_uax_in_t_array(0 to 2);
         command_ua : gc_registers_command_uax_in_t_array(0 to 2);
         position_now : gc_registers_position_nowx_in_t_array(0 to 2);
-        cause : gc_registers_cause_in_t;
-        fault : gc_registers_fault_in_t;
-        first_cause : gc_registers_first_cause_in_t;
         first_position : gc_registers_first_positionx_in_t_array(0 to 2);
-        control_now : gc_registers_control_now_in_t;
         interrupt_status : gc_registers_interrupt_status_in_t;
         load_unlock : gc_registers_load_unlock_in_t;
         load_status : gc_registers_load_status_in_t;
@@ -524,39 +537,6 @@ package gc_registers_pkg is
         value : gc_registers_expected_weights_value_out_t;
     end record;
 
-    type gc_registers_index_positionx_value_out_t is record
-        value : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_index_positionx_out_t is record
-        value : gc_registers_index_positionx_value_out_t;
-    end record;
-    type gc_registers_index_positionx_out_t_array is array(natural range <>) of gc_registers_index_positionx_out_t;
-
-    type gc_registers_current_limit_ua_value_out_t is record
-        value : std_logic_vector(30 downto 0);
-    end record;
-
-    type gc_registers_current_limit_ua_out_t is record
-        value : gc_registers_current_limit_ua_value_out_t;
-    end record;
-
-    type gc_registers_current_slew_ua_value_out_t is record
-        value : std_logic_vector(30 downto 0);
-    end record;
-
-    type gc_registers_current_slew_ua_out_t is record
-        value : gc_registers_current_slew_ua_value_out_t;
-    end record;
-
-    type gc_registers_period_min_clocks_value_out_t is record
-        value : std_logic_vector(30 downto 0);
-    end record;
-
-    type gc_registers_period_min_clocks_out_t is record
-        value : gc_registers_period_min_clocks_value_out_t;
-    end record;
-
     type gc_registers_saturation_clocks_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -589,32 +569,6 @@ package gc_registers_pkg is
         value : gc_registers_brake_clocks_value_out_t;
     end record;
 
-    type gc_registers_window_lowx_value_out_t is record
-        value : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_window_lowx_out_t is record
-        value : gc_registers_window_lowx_value_out_t;
-    end record;
-    type gc_registers_window_lowx_out_t_array is array(natural range <>) of gc_registers_window_lowx_out_t;
-
-    type gc_registers_window_highx_value_out_t is record
-        value : std_logic_vector(31 downto 0);
-    end record;
-
-    type gc_registers_window_highx_out_t is record
-        value : gc_registers_window_highx_value_out_t;
-    end record;
-    type gc_registers_window_highx_out_t_array is array(natural range <>) of gc_registers_window_highx_out_t;
-
-    type gc_registers_command_bound_ua_value_out_t is record
-        value : std_logic_vector(30 downto 0);
-    end record;
-
-    type gc_registers_command_bound_ua_out_t is record
-        value : gc_registers_command_bound_ua_value_out_t;
-    end record;
-
     type gc_registers_command_clocks_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -639,6 +593,15 @@ package gc_registers_pkg is
         value : gc_registers_brake_test_clocks_value_out_t;
     end record;
 
+    type gc_registers_index_positionx_value_out_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_index_positionx_out_t is record
+        value : gc_registers_index_positionx_value_out_t;
+    end record;
+    type gc_registers_index_positionx_out_t_array is array(natural range <>) of gc_registers_index_positionx_out_t;
+
     type gc_registers_index_periodx_value_out_t is record
         value : std_logic_vector(31 downto 0);
     end record;
@@ -647,6 +610,60 @@ package gc_registers_pkg is
         value : gc_registers_index_periodx_value_out_t;
     end record;
     type gc_registers_index_periodx_out_t_array is array(natural range <>) of gc_registers_index_periodx_out_t;
+
+    type gc_registers_window_lowx_value_out_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_window_lowx_out_t is record
+        value : gc_registers_window_lowx_value_out_t;
+    end record;
+    type gc_registers_window_lowx_out_t_array is array(natural range <>) of gc_registers_window_lowx_out_t;
+
+    type gc_registers_window_highx_value_out_t is record
+        value : std_logic_vector(31 downto 0);
+    end record;
+
+    type gc_registers_window_highx_out_t is record
+        value : gc_registers_window_highx_value_out_t;
+    end record;
+    type gc_registers_window_highx_out_t_array is array(natural range <>) of gc_registers_window_highx_out_t;
+
+    type gc_registers_current_limit_uax_value_out_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_current_limit_uax_out_t is record
+        value : gc_registers_current_limit_uax_value_out_t;
+    end record;
+    type gc_registers_current_limit_uax_out_t_array is array(natural range <>) of gc_registers_current_limit_uax_out_t;
+
+    type gc_registers_current_slew_uax_value_out_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_current_slew_uax_out_t is record
+        value : gc_registers_current_slew_uax_value_out_t;
+    end record;
+    type gc_registers_current_slew_uax_out_t_array is array(natural range <>) of gc_registers_current_slew_uax_out_t;
+
+    type gc_registers_command_bound_uax_value_out_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_command_bound_uax_out_t is record
+        value : gc_registers_command_bound_uax_value_out_t;
+    end record;
+    type gc_registers_command_bound_uax_out_t_array is array(natural range <>) of gc_registers_command_bound_uax_out_t;
+
+    type gc_registers_period_min_clocksx_value_out_t is record
+        value : std_logic_vector(30 downto 0);
+    end record;
+
+    type gc_registers_period_min_clocksx_out_t is record
+        value : gc_registers_period_min_clocksx_value_out_t;
+    end record;
+    type gc_registers_period_min_clocksx_out_t_array is array(natural range <>) of gc_registers_period_min_clocksx_out_t;
 
     type gc_registers_fault_clear_out_t is record
         value : std_logic_vector(15 downto 0);
@@ -708,21 +725,21 @@ package gc_registers_pkg is
         command : gc_registers_command_out_t;
         tick_clocks : gc_registers_tick_clocks_out_t;
         expected_weights : gc_registers_expected_weights_out_t;
-        index_position : gc_registers_index_positionx_out_t_array(0 to 2);
-        current_limit_ua : gc_registers_current_limit_ua_out_t;
-        current_slew_ua : gc_registers_current_slew_ua_out_t;
-        period_min_clocks : gc_registers_period_min_clocks_out_t;
         saturation_clocks : gc_registers_saturation_clocks_out_t;
         watchdog_clocks : gc_registers_watchdog_clocks_out_t;
         result_clocks : gc_registers_result_clocks_out_t;
         brake_clocks : gc_registers_brake_clocks_out_t;
-        window_low : gc_registers_window_lowx_out_t_array(0 to 2);
-        window_high : gc_registers_window_highx_out_t_array(0 to 2);
-        command_bound_ua : gc_registers_command_bound_ua_out_t;
         command_clocks : gc_registers_command_clocks_out_t;
         hold_clocks : gc_registers_hold_clocks_out_t;
         brake_test_clocks : gc_registers_brake_test_clocks_out_t;
+        index_position : gc_registers_index_positionx_out_t_array(0 to 2);
         index_period : gc_registers_index_periodx_out_t_array(0 to 2);
+        window_low : gc_registers_window_lowx_out_t_array(0 to 2);
+        window_high : gc_registers_window_highx_out_t_array(0 to 2);
+        current_limit_ua : gc_registers_current_limit_uax_out_t_array(0 to 2);
+        current_slew_ua : gc_registers_current_slew_uax_out_t_array(0 to 2);
+        command_bound_ua : gc_registers_command_bound_uax_out_t_array(0 to 2);
+        period_min_clocks : gc_registers_period_min_clocksx_out_t_array(0 to 2);
         fault : gc_registers_fault_out_t;
         interrupt_status : gc_registers_interrupt_status_out_t;
         load_unlock : gc_registers_load_unlock_out_t;

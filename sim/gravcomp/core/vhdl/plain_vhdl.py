@@ -1,6 +1,4 @@
-"""VHDL as PeakRDL writes it, in the subset that more tools read; `make regs` calls this on its output.
-
-``python -m gravcomp_lab.registers.plain_vhdl FILE...`` rewrites the files in place. The meaning does not change:
+"""VHDL as PeakRDL writes it, in the subset that more tools read. The meaning does not change:
 
 * extended identifiers become plain ones. PeakRDL names the type of a field by its path, with dots, which VHDL allows
   between backslashes only; VUnit's parser does not read those.
@@ -9,11 +7,8 @@
 """
 
 import re
-import sys
-from pathlib import Path
 
 from gravcomp.errors import InputError
-from gravcomp.files import write_all_atomically
 
 _CONTEXT = "context ieee.ieee_std_context;\n"
 _FIXED = "use ieee.fixed_pkg.all;\n"
@@ -36,14 +31,3 @@ def _plain_names(text: str) -> str:
         if others or name.lower() in taken or not re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name):
             raise InputError(f"\\{extended}\\: no plain name for it; rename the register or field in gc_registers.rdl")
     return re.sub(r"\\(.*?)\\", lambda match: names[match[1]], text)
-
-
-def main(paths: list[str]) -> None:
-    write_all_atomically({Path(path): plain(Path(path).read_text()) for path in paths})
-
-
-if __name__ == "__main__":
-    try:
-        main(sys.argv[1:])
-    except InputError as error:
-        sys.exit(f"make regs: {error}")
