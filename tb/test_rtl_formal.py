@@ -99,5 +99,5 @@ def test_claim_is_proven(claim):
 
 @pytest.mark.parametrize(("name", "file", "good", "bad", "assertion"), PLANTED, ids=[p[4] for p in PLANTED])
 def test_planted_fault_is_refuted(tmp_path, name, file, good, bad, assertion):
-    verdict = verify(BY_NAME[name], planted(tmp_path, file, good, bad), CHECKERS, tmp_path / "out")
+    verdict = verify(BY_NAME[name], planted(tmp_path, file, good, bad), CHECKERS, tmp_path / "out", {assertion})
     assert assertion in verdict.broken, verdict
