@@ -41,14 +41,11 @@ def add_arguments(parser):
 
 def run(arguments):
     from gravcomp.core.compensation import load_compensation
-    from gravcomp.core.folder import MachineFolder, check_network, save_folder
+    from gravcomp.core.folder import MachineFolder, save_folder
     from gravcomp.core.provenance import write_provenance
-    from gravcomp.network.inputs import axis_of_input
-    from gravcomp.network.weights import load_network
-    from gravcomp.robot.machine import HARDWARE_ACTIVATION, load_machine
-    from gravcomp.training.fine_tuning import retrained
+    from gravcomp.robot.machine import load_machine
     from gravcomp.training.samples import machine_of_samples
-    from gravcomp.training.training import effort_of_size, evaluate, train, training_and_test_set
+    from gravcomp.training.training import evaluate, training_and_test_set
 
     if arguments.out.exists() and not arguments.out.is_dir():
         raise InputError(f"{arguments.out}: is a file; give a folder")
@@ -60,35 +57,57 @@ def run(arguments):
     machine = machine_of_samples(folder, arguments.data) if arguments.data else load_machine(folder)
     data, unseen = training_and_test_set(arguments.poses, machine.robot, arguments.seed)
     began = time.monotonic()
-    if arguments.start:
-        machine = machine.with_activation(HARDWARE_ACTIVATION)
-        start = load_network(folder)
-        check_network(folder, machine, start)
-        network, fit = retrained(start, data, machine.drive, _ROUNDS)
-        how = f"--from {folder}"
-    else:
-        n_inputs = len(axis_of_input(machine.inputs))
-        network, fit = train(
-            data,
-            machine,
-            n_hidden=arguments.hidden,
-            n_starts=arguments.starts,
-            seed=arguments.seed,
-            activation=machine.activation,
-            backend=arguments.backend,
-            polish=arguments.polish,
-            effort=effort_of_size(arguments.hidden, n_inputs, machine.n_axes, arguments.search),
-        )
-        how = f"--robot {folder} --hidden {arguments.hidden} --starts {arguments.starts}"
-        how += f" --search {arguments.search:g}" if arguments.search != 1.0 else ""
-        how += f" --polish {arguments.polish}" if arguments.polish != POLISH_STEPS else ""
+    machine, network, fit = (_trained_further if arguments.start else _trained)(arguments, machine, data)
     metrics = evaluate(network, data, unseen, machine.activation)
     save_folder(arguments.out, MachineFolder(machine, network, load_compensation(folder, machine.n_axes)))
-    how += f" --data {arguments.data}" if arguments.data else ""
-    command = f"gravcomp train {how} --out {arguments.out} --seed {arguments.seed} --poses {arguments.poses}"
     sources = {"poses": len(data.q), "seed": arguments.seed, "sha256": data.hash()}
     sources |= {"test_poses": len(unseen.q), "test_seed": arguments.seed + 1}
-    write_provenance(arguments.out, command=command, data=sources, metrics=metrics, machine=machine)
+    write_provenance(arguments.out, command=_command(arguments), data=sources, metrics=metrics, machine=machine)
     print(f"{arguments.out}: seed {arguments.seed}, stopped by {fit.reason}, {time.monotonic() - began:.0f} s")
     for name, value in metrics.items():
         print(f"  {name:20} {value:.6g}")
+
+
+def _trained_further(arguments, machine, data):
+    """Machine, network and fit of --from: the network of its folder, to the activation of the hardware."""
+    from gravcomp.core.folder import check_network
+    from gravcomp.network.weights import load_network
+    from gravcomp.robot.machine import HARDWARE_ACTIVATION
+    from gravcomp.training.fine_tuning import retrained
+
+    machine = machine.with_activation(HARDWARE_ACTIVATION)
+    start = load_network(arguments.start)
+    check_network(arguments.start, machine, start)
+    return machine, *retrained(start, data, machine.drive, _ROUNDS)
+
+
+def _trained(arguments, machine, data):
+    """Machine, network and fit of --robot: a network from random starts."""
+    from gravcomp.network.inputs import axis_of_input
+    from gravcomp.training.training import effort_of_size, train
+
+    n_inputs = len(axis_of_input(machine.inputs))
+    network, fit = train(
+        data,
+        machine,
+        n_hidden=arguments.hidden,
+        n_starts=arguments.starts,
+        seed=arguments.seed,
+        activation=machine.activation,
+        backend=arguments.backend,
+        polish=arguments.polish,
+        effort=effort_of_size(arguments.hidden, n_inputs, machine.n_axes, arguments.search),
+    )
+    return machine, network, fit
+
+
+def _command(arguments) -> str:
+    """The command that does the same again."""
+    if arguments.start:
+        how = f"--from {arguments.start}"
+    else:
+        how = f"--robot {arguments.robot} --hidden {arguments.hidden} --starts {arguments.starts}"
+        how += f" --search {arguments.search:g}" if arguments.search != 1.0 else ""
+        how += f" --polish {arguments.polish}" if arguments.polish != POLISH_STEPS else ""
+    how += f" --data {arguments.data}" if arguments.data else ""
+    return f"gravcomp train {how} --out {arguments.out} --seed {arguments.seed} --poses {arguments.poses}"

@@ -34,7 +34,7 @@ MAX_RTL_SAMPLES = 500
 
 
 @dataclass(frozen=True)
-class Closed:
+class ClosedLoop:
     """A closed loop: where the effects went, the empirical corrections that the network took, samples for the RTL."""
 
     placement: Placement
@@ -60,7 +60,7 @@ def check_robot(data: Measurement, weights: Path) -> None:
 
 def close_loop(
     found: Diagnosis, model: Model, weights: Path, folder: Path, seed: int, command: str, log: dict
-) -> Closed:
+) -> ClosedLoop:
     """Put the model, with what was found, into network and constants; writes before/ and after/ with their ROMs, and
     samples.npz.
 
@@ -78,7 +78,7 @@ def close_loop(
     provenance = provenance_text(command=command, data=log, metrics=metrics, machine=grown)
     _write(folder, "after", result, f"found in {found.data.name}: {names}", provenance)
     n_samples = save_samples(found, folder, start.machine)
-    return Closed(placement, corrections, n_samples)
+    return ClosedLoop(placement, corrections, n_samples)
 
 
 def _write(folder: Path, run: str, content: MachineFolder, comment: str, provenance: str) -> None:

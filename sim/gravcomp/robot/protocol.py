@@ -185,6 +185,3 @@ class HasFormula(Protocol):
     def formula(self) -> Formula:
         """Raises InputError where this robot has none."""
         ...
-
-
-RobotKind = Callable[[dict, str], Robot]

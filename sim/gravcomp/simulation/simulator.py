@@ -30,54 +30,64 @@ def simulate(
     are set on the entity and handed to the test as environment variables of the same name in upper case. tests selects
     cocotb tests by regular expression. Returns what they handed over (gravcomp.simulation.measured), by name.
     """
-    get_results = optional("cocotb_tools.check_results", "cocotb", "a simulation").get_results
     get_runner = optional("cocotb_tools.runner", "cocotb", "a simulation").get_runner
-
     generics = dict(generics or {})
-    name = build_dir.name
     build_dir.mkdir(parents=True, exist_ok=True)
-    build_log, log = build_dir / "build.log", build_dir / "run.log"
     handed = build_dir.absolute() / "measured.json"
     handed.unlink(missing_ok=True)
+    variables = {
+        **{k.upper(): str(v) for k, v in generics.items()},
+        **(environment or {}),
+        # Of all modules that are imported, as cocotb's default has it, it takes several seconds of each simulation.
+        "COCOTB_REWRITE_ASSERTION_FILES": shlex.quote(str(_folder_of(test_module) / "*.py")),
+        FILE: str(handed),
+    }
     runner = get_runner("icarus" if is_verilog else "ghdl")
+    _build(runner, build_dir, is_verilog, sources=sources, hdl_toplevel=entity)
+    _test(
+        runner,
+        build_dir,
+        variables,
+        hdl_toplevel=entity,
+        test_module=test_module,
+        test_args=[] if is_verilog else ["--std=08"],
+        parameters={} if is_verilog else generics,
+        plusargs=[f"--vcd={vcd}"] if vcd else [],
+        test_filter=tests,
+    )
+    return handed_over(handed)
+
+
+def _build(runner, build_dir: Path, is_verilog: bool, **options) -> None:
+    """Compile; AssertionError, with the end of what the simulator said, when that fails."""
+    log = build_dir / "build.log"
     try:
         runner.build(
-            sources=sources,
-            hdl_toplevel=entity,
             build_args=["-g2012"] if is_verilog else ["--std=08"],
             timescale=("1ns", "1ps") if is_verilog else None,
             build_dir=build_dir,
             always=True,
-            log_file=build_log,
+            log_file=log,
+            **options,
         )
     except RuntimeError as stop:
-        raise AssertionError(f"{name}: does not compile ({stop})\n{_tail(build_log)}") from None
+        raise AssertionError(f"{build_dir.name}: does not compile ({stop})\n{_tail(log)}") from None
+
+
+def _test(runner, build_dir: Path, variables: Mapping[str, str], **options) -> None:
+    """Simulate; AssertionError, with the end of the log, when a cocotb test fails or none ran."""
+    from cocotb_tools.check_results import get_results
+
+    name, log = build_dir.name, build_dir / "run.log"
     try:
-        variables = {
-            **{k.upper(): str(v) for k, v in generics.items()},
-            **(environment or {}),
-            # Of all modules that are imported, as cocotb's default has it, it takes several seconds of each simulation.
-            "COCOTB_REWRITE_ASSERTION_FILES": shlex.quote(str(_folder_of(test_module) / "*.py")),
-            FILE: str(handed),
-        }
         # In os.environ, because cocotb's runner prefers that to its own extra_env: make exports WEIGHTS.
         with patch.dict(os.environ, variables):
-            results = runner.test(
-                hdl_toplevel=entity,
-                test_module=test_module,
-                test_args=[] if is_verilog else ["--std=08"],
-                parameters={} if is_verilog else generics,
-                plusargs=[f"--vcd={vcd}"] if vcd else [],
-                build_dir=build_dir,
-                test_filter=tests,
-                log_file=log,
-            )
+            results = runner.test(build_dir=build_dir, log_file=log, **options)
         n_tests, n_failed = get_results(results)
     except (SystemExit, RuntimeError) as stop:
         raise AssertionError(f"{name}: the simulation failed ({stop})\n{_tail(log)}") from None
     assert n_tests > 0, f"{name}: no cocotb test ran\n{_tail(log)}"
     assert n_failed == 0, f"{name}: {n_failed} of {n_tests} cocotb tests failed\n{_tail(log)}"
-    return handed_over(handed)
 
 
 def _folder_of(module: str) -> Path:

@@ -125,14 +125,8 @@ class Counted:
     def tan(self):
         return self._new(math.tan(self.value), "trigonometric")
 
-    def arcsin(self):
-        return self._new(math.asin(self.value), "trigonometric")
-
     def arccos(self):
         return self._new(math.acos(self.value), "trigonometric")
-
-    def arctan(self):
-        return self._new(math.atan(self.value), "trigonometric")
 
     def arctan2(self, other):
         return self._new(math.atan2(self.value, _value(other)), "trigonometric")

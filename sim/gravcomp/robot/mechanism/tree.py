@@ -13,7 +13,6 @@ import numpy as np
 from gravcomp.robot.mechanism.source import MASSLESS_KG
 
 FREE, BALL, SLIDE, HINGE = range(4)  # mujoco.mjtJoint
-N_DOFS = {FREE: 6, BALL: 3, SLIDE: 1, HINGE: 1}
 
 
 @dataclass(frozen=True)
