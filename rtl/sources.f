@@ -9,6 +9,7 @@ encoder/gc_edge_watch.vhd
 encoder/gc_index_check.vhd
 encoder/gc_speed_meter.vhd
 encoder/gc_quad_decoder.vhd
+encoder/gc_biss.vhd
 common/gc_fixed_pkg.vhd
 generated/gc_network_pkg.vhd
 generated/gc_compensation_pkg.vhd
@@ -57,6 +58,8 @@ motion/gc_servo_pkg.vhd
 motion/gc_setpoint.vhd
 motion/gc_servo.vhd
 motion/gc_recorder.vhd
+board/gc_pwm.vhd
+board/gc_adc_spi.vhd
 loading/gc_crc_pkg.vhd
 loading/gc_loader.vhd
 loading/gc_bank_switch.vhd
