@@ -12,11 +12,13 @@ import pytest
 from lxml import etree
 
 from gravcomp import __version__
+from gravcomp.core.component import component_text
 from gravcomp.driver.registers import SPIRIT, read_registers
 from gravcomp.errors import InputError
 from gravcomp_lab.__main__ import main
 from gravcomp_lab.ipxact.component import SCRIPT, XILINX, component
 from gravcomp_lab.ipxact.entity import Generic, read_entity
+from gravcomp_lab.registers.map import registers_of
 from runner import RTL
 
 IPXACT = RTL / "component.xml"
@@ -202,3 +204,19 @@ def test_component_refuses_a_generic_without_a_format():
 def test_command_refuses_a_missing_map_in_one_line(tmp_path, capsys):
     assert main(["ipxact", str(tmp_path / "none.xml"), "--rtl", str(RTL), "--out", str(tmp_path)]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize("n_axes", [1, 2, 3, 6, 8])
+def test_component_of_other_axes_has_their_registers_and_ports(n_axes, schema, tmp_path):
+    path = tmp_path / "component.xml"
+    path.write_text(component_text(n_axes))
+    schema.assertValid(etree.parse(path))
+    assert read_registers(path) == registers_of(n_axes)
+    root = ElementTree.parse(path).getroot()
+    ports = {text("s:name", p): text(".//s:left", p) for p in find("s:model/s:ports/s:port", root)}
+    per_axis = ("pin_a", "pin_b", "pin_z", "pin_error", "brake_release", "brake_engage", "brake_fed")
+    assert {ports[name] for name in per_axis} == {str(n_axes - 1)}
+    assert ports["drive_current"] == str(32 * n_axes - 1)
+    others = {name: left for name, left in ports.items() if name not in (*per_axis, "drive_current")}
+    known = {text("s:name", p): text(".//s:left", p) for p in find("s:model/s:ports/s:port")}
+    assert others == {name: known[name] for name in others}

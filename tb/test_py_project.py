@@ -12,6 +12,7 @@ import pytest
 
 from codes import ROOT
 from gravcomp.cli import main
+from gravcomp.core.component import component_text
 from gravcomp.core.formats import quantise
 from gravcomp.core.vhdl.network_package import stale_rom_files
 from gravcomp.network.weights import load_network
@@ -191,7 +192,8 @@ def test_project_of_other_axes_holds_what_they_can_use(name, tmp_path):
     listed = {project / "rtl" / name for name in (project / "rtl" / "sources.f").read_text().split()}
     assert set((project / "rtl").rglob("*.vhd")) == listed
     assert make(project, "driver").returncode == 0
-    assert not (project / "rtl" / "component.xml").exists()  # its ports are three axes wide
+    n_axes = load_machine(project / "weights" / "mine").n_axes
+    assert (project / "rtl" / "component.xml").read_text() == component_text(n_axes)
 
 
 def test_project_without_a_network_says_how_to_train_it(tmp_path, capsys):

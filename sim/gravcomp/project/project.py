@@ -10,6 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from gravcomp.core.compensation import COMPENSATION_CSV
+from gravcomp.core.component import COMPONENT_XML, component_text
 from gravcomp.core.provenance import PROVENANCE_JSON
 from gravcomp.core.vhdl.network_package import rom_files, write_rom
 from gravcomp.errors import InputError
@@ -25,8 +26,6 @@ MACHINE = "weights/mine"
 _GENERATED = "rtl/generated"
 _TRAINED = (HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, COMPENSATION_CSV, PROVENANCE_JSON)
 _OWN = ("Makefile", "README.md")
-# The IP-XACT component is that of the machine that the repository ships: its ports are as wide as there are axes.
-_COMPONENT_AXES, _COMPONENT = 3, ("rtl/component.xml", "rtl/component.tcl")
 
 
 def machine_named(text: str) -> Path:
@@ -74,8 +73,7 @@ def _write_tools(draft: Path, n_axes: int) -> None:
     """All of a project but the machine and its ROM."""
     for name in SHIPPED:
         _copy(shipped(name), draft / name)
-    for name in _COMPONENT if n_axes != _COMPONENT_AXES else ():
-        (draft / name).unlink()
+    (draft / COMPONENT_XML).write_text(component_text(n_axes), encoding="utf-8")
     for name in _OWN:
         (draft / name).write_text(_own(name), encoding="utf-8")
 
