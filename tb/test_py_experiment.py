@@ -32,7 +32,7 @@ VOCABULARY = {
     *("coulomb_friction", "viscous_friction", "stribeck_friction", "passive_joint_friction", "load_dependent_friction"),
     *("backlash", "cogging", "payload", "base_tilt", "thrust_constant", "encoder_offset", "current_offset"),
     *("cable_spring", "link_compliance", "thermal_drift", "inertia", "presliding_hysteresis", "body_moment"),
-    *("universal_joint_friction", "platform_hose"),
+    *("universal_joint_friction", "platform_hose", "offset_step", "directional_load_friction"),
 }
 
 
@@ -115,6 +115,12 @@ def test_without_effects_the_measured_effort_is_the_statics(mode, n_points):
         ("universal_joint_friction", {"fc": 0.3}, lambda g: turned(g, lambda angles, rate: 0.3 * np.sign(rate)), 0.1),
         ("platform_hose", {"k": 1.0}, lambda g: turned(g, lambda angles, rate: angles * np.repeat([0.0, 1.0], 3)), 0.1),
         ("load_dependent_friction", {"mu": 0.05}, lambda g: 0.05 * np.abs(statics(g.q)) * np.sign(g.v), 0.1),
+        (
+            "directional_load_friction",
+            {"mu_motor": 0.05, "mu_load": 0.02},
+            lambda g: np.where(statics(g.q) * g.v > 0, 0.05, 0.02) * np.abs(statics(g.q)) * np.sign(g.v),
+            0.15,
+        ),
         ("backlash", {"gap": 0.001}, lambda g: statics(g.q, -0.0005 * np.sign(g.v)) - statics(g.q), 0.06),
         (
             "cogging",
@@ -157,7 +163,7 @@ def test_without_effects_the_measured_effort_is_the_statics(mode, n_points):
             lambda g: np.sin(np.pi * g.t_s / 2)[:, None] + 0 * g.q,
             0.12,
         ),
-        ("step_change", {"a": 1.0, "t0_s": 3.0}, lambda g: (g.t_s > 3.0)[:, None] + 0 * g.q, 0.1),
+        ("offset_step", {"a": 1.0, "t0_s": 3.0}, lambda g: (g.t_s > 3.0)[:, None] + 0 * g.q, 0.1),
     ],
 )
 def test_effect_shows_with_the_size_and_sign_asked_for(plain, name, params, expected, tolerance_n):

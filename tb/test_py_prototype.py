@@ -7,7 +7,14 @@ import pytest
 
 from gravcomp.errors import InputError
 from gravcomp.prototype.body import Prototype
-from gravcomp.robot.spheiro.kinematics import PoseError, inverse_kinematics, passive_coordinates, passive_jacobian
+from gravcomp.robot.spheiro.kinematics import (
+    HOME_AXES,
+    PoseError,
+    inverse_kinematics,
+    passive_coordinates,
+    passive_jacobian,
+)
+from gravcomp.robot.spheiro.reactions import slide_reactions
 from gravcomp.robot.spheiro.statics import holding_forces
 from gravcomp.robot.spheiro.workspace import sample_workspace
 from machines import P
@@ -38,6 +45,19 @@ def test_servo_holds_20_poses_with_the_forces_of_the_statics(robot):
     worst_n = np.abs(held - holding_forces(POSES, P)).max()
     print(f"engine held by a servo, 20 poses: worst difference {worst_n * 1e3:.2f} mN")
     assert worst_n < 0.02
+
+
+def test_slides_bear_what_the_engine_says(robot):
+    """The force inside link 2 of each leg, held by a servo, across the slide."""
+    for rotation in POSES[:2]:
+        robot.holding_forces_servo(rotation)
+        robot.mujoco.mj_rnePostConstraint(robot.model, robot.data)
+        borne = []
+        for n, u in enumerate(HOME_AXES.T, start=1):
+            body = robot.model.body(f"link2_{n}").id
+            force, along = robot.data.cfrc_int[body][3:], robot.data.xmat[body].reshape(3, 3) @ u
+            borne.append(np.linalg.norm(force - (force @ along) * along))
+        np.testing.assert_allclose(slide_reactions(rotation, P), borne, rtol=1e-4)
 
 
 def test_engines_weights_and_constraints_give_the_forces_of_the_statics(robot):

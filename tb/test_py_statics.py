@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from gravcomp.robot.spheiro.kinematics import PoseError, inverse_kinematics, jacobian
+from gravcomp.robot.spheiro.reactions import _across
 from gravcomp.robot.spheiro.statics import holding_forces, holding_forces_at, potential_energy
 from gravcomp.robot.spheiro.workspace import sample_workspace
 from machines import P
@@ -73,3 +74,10 @@ def test_impossible_poses_are_refused():
     for function in (holding_forces, potential_energy):
         with pytest.raises(PoseError, match=r"^pose 0 is not a rotation"):
             function(2 * np.eye(3), P)
+
+
+def test_forces_of_the_legs_on_the_platform_are_those_of_the_motors_less_the_weight_that_they_carry():
+    rotation = sample_workspace(50, P, seed=12)
+    along = np.einsum("nii->ni", _across(rotation, P)[1])
+    carried = (P.carriage_mass_kg + P.link1_mass_kg + P.link2_mass_kg) * P.gravity_mps2
+    np.testing.assert_allclose(along - carried, holding_forces(rotation, P), atol=1e-11)

@@ -197,6 +197,16 @@ class LoadDependentFriction(Effect):
         return self.mu * np.abs(state.statics)
 
 
+class DirectionalLoadFriction(Effect):
+    """mu |f_model| sign(v), another mu where the motor drives the load than where the load drives the motor."""
+
+    name = "directional_load_friction"
+    ranges: ClassVar = {"mu_motor": Range(0.02, 0.08), "mu_load": Range(0.005, 0.02)}
+
+    def friction(self, state):
+        return np.where(state.statics * state.v > 0.0, self.mu_motor, self.mu_load) * np.abs(state.statics)
+
+
 class Backlash(Effect):
     """f_model(q - gap/2 sign(v)) - f_model(q): the encoder, on the motor's side, leads by half the gap."""
 
@@ -429,11 +439,10 @@ class PeriodicDisturbance(Effect):
         return effort + self.a * np.sin(2 * np.pi * state.t_s / self.period_s)
 
 
-class StepChange(Effect):
+class OffsetStep(Effect):
     """The effort jumps by a at t0: something came loose."""
 
-    name = "step_change"
-    on_list = False
+    name = "offset_step"
     ranges: ClassVar = {"a": Range(0.4, 3.0, "f", signs=EITHER), "t0_s": Range(100.0, 600.0, per="machine")}
 
     def reported(self, effort, state):

@@ -152,6 +152,15 @@ class HasPassiveJoints(Protocol):
 
 
 @runtime_checkable
+class KnowsReactions(HasPassiveJoints, Protocol):
+    """Can tell what its passive slides bear."""
+
+    def slide_reactions(self, q: np.ndarray) -> np.ndarray:
+        """Force across each passive joint of unit m, N, (..., s), in the order of the passive joints."""
+        ...
+
+
+@runtime_checkable
 class HasUniversalJoints(Protocol):
     """Has universal joints between its legs and its platform: hinges (inner_1, .., inner_m, outer_1, .., outer_m)."""
 

@@ -23,10 +23,11 @@ CASES = ("listed", "clean", "unlisted", "pair")
 ONE_EFFECT = (
     {"coulomb_friction", "stribeck_friction", "presliding_hysteresis"},
     {"cable_spring", "current_offset", "nonlinear_cable_spring"},
+    {"load_dependent_friction", "thrust_constant", "directional_load_friction"},
 )
 UNLISTED = {
     "soft_stop": "q", "friction_bump": "q dir", "cross_coupling": "cross", "periodic_in_time": "t", "saturation": "f",
-    "air_drag": "v", "step_change": "t", "speed_coupling": "cross",
+    "air_drag": "v", "speed_coupling": "cross",
 }  # fmt: skip
 
 
@@ -144,12 +145,14 @@ def _noise(data, rng) -> np.ndarray:
 
 def drawable(data) -> list[str]:
     names = ["coulomb_friction", "coulomb_friction", "viscous_friction", "stribeck_friction", "cogging",
-             "current_offset", "cable_spring", "nonlinear_cable_spring", "thermal_drift"]  # fmt: skip
+             "current_offset", "cable_spring", "nonlinear_cable_spring", "thermal_drift", "offset_step",
+             "friction_step"]  # fmt: skip
     if data.n_axes > 1 or data.unit == "Nm":
-        names += ["thrust_constant", "load_dependent_friction", "payload"]
+        names += ["thrust_constant", "load_dependent_friction", "directional_load_friction", "payload"]
         names += ["encoder_offset", "backlash", "link_compliance"]
     if data.robot is not None:
         names += ["base_tilt", "passive_joint_friction", "universal_joint_friction", "platform_hose"]
+        names += ["reaction_friction", "transmission_friction"]
     if data.is_motion.mean() > 0.5:
         names += ["presliding_hysteresis", "inertia"]
     return names
@@ -163,6 +166,11 @@ def listed(name: str, data, rng) -> Callable[[Measurement], np.ndarray]:
     if name == "cogging":
         span = np.ptp(data.q, axis=0).max()
         shape = {"pitch": span / rng.uniform(4.0, 40.0), "harmonics": tuple(range(1, 1 + int(rng.integers(1, 4))))}
+    elif name.endswith("_step"):
+        shape = {"t_step_s": float(data.t_s[0] + rng.uniform(0.3, 0.7) * np.ptp(data.t_s))}
+    elif name == "transmission_friction":
+        shapes = effect.shapes(data)
+        shape = shapes[int(rng.integers(len(shapes)))]
     else:
         shapes = effect.shapes(data)
         shape = dict(shapes[int(rng.integers(len(shapes)))])
@@ -192,7 +200,7 @@ def listed(name: str, data, rng) -> Callable[[Measurement], np.ndarray]:
 
 
 def _unlisted_for(data) -> list[str]:
-    names = ["soft_stop", "friction_bump", "periodic_in_time", "air_drag", "step_change"]
+    names = ["soft_stop", "friction_bump", "periodic_in_time", "air_drag"]
     if data.n_axes > 1:
         names += ["cross_coupling", "saturation", "speed_coupling"]
     return names
@@ -211,7 +219,6 @@ def _unlisted(name: str, data, rng) -> tuple[np.ndarray, tuple[int, ...]]:
         "periodic_in_time": lambda: np.sin(2 * np.pi * rng.uniform(12, 60) * t / np.ptp(t) + rng.uniform(0, 6)),
         "saturation": lambda: -data.nominal[:, axis] * np.abs(data.nominal[:, axis]),
         "air_drag": lambda: v * np.abs(v),
-        "step_change": lambda: (t > t[0] + rng.uniform(0.3, 0.7) * np.ptp(t)).astype(float),
         "speed_coupling": lambda: data.v[:, other],
     }[name]()
     force = np.zeros(data.shape)
@@ -228,6 +235,6 @@ def is_driver(case: Case, drivers: list[dict]) -> bool:
     right = {
         "soft_stop": {f"q{own}"}, "friction_bump": {f"q{own}", f"dir{own}"},
         "cross_coupling": {f"f{other}"}, "speed_coupling": {f"v{other}"}, "saturation": {f"f{own}"},
-        "periodic_in_time": {"t"}, "step_change": {"t"}, "air_drag": {f"v{own}"},
+        "periodic_in_time": {"t"}, "air_drag": {f"v{own}"},
     }[case.truth[0]]  # fmt: skip
     return axis == case.axes[0] + 1 and name in right

@@ -100,7 +100,7 @@ def _draw(kind: str, mode: str, rng: np.random.Generator):
 # What the first driver must be a function of: position, its own or another axis' force, direction, time.
 _FOLLOWS = {
     "soft_stop": "q", "friction_bump": "q dir", "current_crosstalk": "f", "magnetic_saturation": "f",
-    "periodic_disturbance": "t", "step_change": "t",
+    "periodic_disturbance": "t",
 }  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from gravcomp.robot.spheiro.kinematics import (
     universal_jacobian,
 )
 from gravcomp.robot.spheiro.parameters import RobotParameters, parameters_from_table
+from gravcomp.robot.spheiro.reactions import slide_reactions
 from gravcomp.robot.spheiro.statics import forces_from_axes, holding_forces, holding_forces_at
 from gravcomp.robot.spheiro.workspace import pose, sample_workspace
 
@@ -74,6 +75,9 @@ class Spheiro:
 
     def passive_jacobian(self, q: np.ndarray) -> np.ndarray:
         return passive_jacobian(direct_kinematics(q, self.parameters), self.parameters)
+
+    def slide_reactions(self, q: np.ndarray) -> np.ndarray:
+        return slide_reactions(direct_kinematics(q, self.parameters), self.parameters)
 
     def universal_angles(self, q: np.ndarray) -> np.ndarray:
         return universal_angles(direct_kinematics(q, self.parameters), self.parameters)
