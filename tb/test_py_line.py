@@ -59,10 +59,10 @@ def test_every_word_is_written_once_on_a_noisy_line(library, seed):
 def test_runs_are_whole_words_and_stop_where_they_are_refused(library):
     model = core()
     line, slave = bus(library, model)
-    low = model.map["window_low"].address
+    low = model.map["command_clocks"].address
     assert line.write_run(low, [1, 2**32 - 2, 3]) == LineResult.OK
     assert line.read_run(low, 3) == [1, 2**32 - 2, 3]
-    assert line.write_run(low, [4, 5, 6, 7]) == LineResult.REFUSED
+    assert line.write_run(low, [4, 5, 6, 7]) == LineResult.REFUSED, "behind the third there is no register"
     assert line.line.exception == 4
     assert line.read_run(low, 3) == [4, 5, 6]
     assert line.line.written == slave.counts[Count.WRITTEN] == 6
@@ -84,7 +84,7 @@ def test_refusal_whose_answer_is_lost_is_still_one(library):
         return came
 
     line = CLineBus(library, answer)
-    assert line.write_run(model.map["window_low"].address, [1, 2, 3, 4]) == LineResult.REFUSED
+    assert line.write_run(model.map["command_clocks"].address, [1, 2, 3, 4]) == LineResult.REFUSED
     assert len(lost) == 1
     assert slave.counts[Count.WRITTEN] == 3, "it is not sent again"
 

@@ -327,6 +327,44 @@ PLANTED = [
         ("x_v := scalars.x_high(", "x_v := scalars.x_low(", "counts_outside_are_clamped"),
         ("if count < scalars.count_low(", "if count <= scalars.count_low(", "clamped_counts_are_flagged"),
     ]),
+    ("uart", "gc_uart", [
+        ("tx_level <= '0';", "tx_level <= '1';", "line_is_that_of_the_character"),
+        ("tx_bits <= (odd_c(parity_g) xor parity_of(in_data)) & in_data;",
+         "tx_bits <= (odd_c(parity_g) xor parity_of(in_data)) & not in_data;", "bits_go_along"),
+        ("tx_left <= bits_c + 1;", "tx_left <= bits_c;", "time_goes_along"),
+    ]),
+    ("uart", "gc_uart", [
+        ("tx_phase <= tx_phase + baud_g;", "tx_phase <= 0;", "phase_goes_along"),
+        ("in_ready <= '1' when tx_left = 0", "in_ready <= '1' when tx_left /= 1", "next_one_is_taken_when_all_is_sent"),
+    ]),
+    ("modbus", "gc_modbus", [
+        ("or length < shortest_c or unsigned(crc) /= 0 then", "or length < shortest_c then",
+         "only_a_right_frame_is_carried_out"),
+        ("bad <= bad or rx_error;", "bad <= rx_error;", "crc_is_that_of_the_frame"),
+        ("silence <= silence + 1;", "silence <= silence;", "silence_is_that_of_the_line"),
+    ]),
+    ("modbus", "gc_modbus", [
+        ("length <= length + 1;", "length <= length;", "length_is_that_of_the_frame"),
+        ("if length = k then", "if length = k + 1 then", "unit_is_that_of_the_frame"),
+        ("tx_enable <= '1' when state = load", "tx_enable <= '1' when state = idle", "no_answer_but_to_a_right_frame"),
+        ("tx_valid <= '1' when state = send", "tx_valid <= '1' when state = idle", "character_waits_for_the_line"),
+    ]),
+    # From a power-up in the middle of an access: a whole frame before it would be a long run.
+    ("modbus", "gc_modbus", [
+        ("signal awvalid : std_ulogic := '0';", "signal awvalid : std_ulogic := '1';", "no_write_but_of_a_right_frame"),
+        ("signal arvalid : std_ulogic := '0';", "signal arvalid : std_ulogic := '1';", "no_read_but_for_a_right_frame"),
+        ("if m_axi_awready = '1' then", "if m_axi_awready = '0' then", "address_waits_for_the_bus"),
+        ("if m_axi_arready = '1' then", "if m_axi_arready = '0' then", "read_waits_for_the_bus"),
+        ("signal wvalid  : std_ulogic := '0';", "signal wvalid  : std_ulogic := '1';", "one_write_at_a_time"),
+        ("if m_axi_wready = '1' then", "if m_axi_wready = '0' then", "data_waits_for_the_bus"),
+        ("signal reading : std_ulogic := '0';", "signal reading : std_ulogic := '1';", "one_read_at_a_time"),
+    ]),
+    ("modbus", "gc_modbus", [
+        ("signal state : state_t := idle;", "signal state : state_t := write;", "only_a_right_frame_is_carried_out"),
+        ("signal awvalid : std_ulogic := '0';", "signal awvalid : std_ulogic := '1';", "no_write_but_of_a_right_frame"),
+        ("signal wvalid  : std_ulogic := '0';", "signal wvalid  : std_ulogic := '1';", "one_write_at_a_time"),
+        ("elsif m_axi_bvalid = '1' or waited", "elsif waited", "no_write_follows_a_refused_one"),
+    ]),
     *((checker, "gc_fixed_pkg", [
         ("limit_v := (others => not value_a(value_a'high));", "limit_v := (others => value_a(value_a'high));", clipped),
         ("for i in bits to value_a'high loop", "for i in bits to value_a'high - 1 loop", flagged),

@@ -27,7 +27,7 @@ from support.serial_board import BAUD, BUS_HZ, INDEX, SerialBoard
 REGISTERS = read_registers()
 LIMIT_UA = 4_000_000
 # At the ROM's 40 MHz, of which the simulated clock makes a tenth.
-WATCHDOG_US = 1000
+WATCHDOG_US = 400
 
 
 def request(function: int, first: int, quantity: int, data: bytes = b"") -> bytes:

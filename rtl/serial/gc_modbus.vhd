@@ -79,10 +79,10 @@ architecture rtl of gc_modbus is
 
   type words_t is array (natural range <>) of unsigned(31 downto 0);
 
-  constant read_holding_c   : byte_t := x"03";
-  constant read_input_c     : byte_t := x"04";
-  constant write_c          : byte_t := x"10";
-  constant write_and_read_c : byte_t := x"17";
+  constant read_holding_c    : byte_t := x"03";
+  constant read_input_c      : byte_t := x"04";
+  constant write_registers_c : byte_t := x"10";
+  constant write_and_read_c  : byte_t := x"17";
 
   -- Modbus registers of the bus and the port; of one frame, read, written, and written by function 23.
   constant registers_c    : positive := 2056;
@@ -118,19 +118,42 @@ architecture rtl of gc_modbus is
     quantity : half_t;
     most     : positive
   ) return code_t is
+
+    variable code_v : code_t := no_exception_c;
+
   begin
 
     if quantity = 0 or quantity > most then
-      return illegal_value_c;
+      code_v := illegal_value_c;
     elsif start(0) = '1' or quantity(0) = '1' or start > registers_c or start + quantity > registers_c then
-      return illegal_address_c;
+      code_v := illegal_address_c;
     end if;
 
-    return no_exception_c;
+    return code_v;
 
   end function run_code;
 
+  -- What is wrong with two runs: a value before an address.
+
+  function worse_code (
+    a : code_t;
+    b : code_t
+  ) return code_t is
+
+    variable code_v : code_t := a;
+
+  begin
+
+    if a = no_exception_c or b = illegal_value_c then
+      code_v := b;
+    end if;
+
+    return code_v;
+
+  end function worse_code;
+
   -- What is wrong with a frame of so many bytes: its halves begin at byte 2 and, of what function 23 writes, at 6.
+  -- One value on every way: what GHDL writes as Verilog would be a latch otherwise.
 
   function frame_code (
     head   : bytes_t;
@@ -138,41 +161,30 @@ architecture rtl of gc_modbus is
     length : natural
   ) return code_t is
 
-    variable read_v  : code_t;
-    variable write_v : code_t;
+    variable code_v   : code_t := illegal_function_c;
+    variable length_v : natural range 0 to head_c + 2 + 255;
 
   begin
 
+    length_v := length;
+
     if head(1) = read_holding_c or head(1) = read_input_c then
-      read_v := run_code(halves(0), halves(1), most_read_c);
-
-      if length /= 8 then
-        return illegal_value_c;
-      end if;
-
-      return read_v;
-    elsif head(1) = write_c then
-      write_v := run_code(halves(0), halves(1), most_written_c);
-
-      if halves(1) * 2 /= unsigned(head(6)) or length /= write_head_c + 2 + to_integer(unsigned(head(6))) then
-        return illegal_value_c;
-      end if;
-
-      return write_v;
+      code_v := run_code(halves(0), halves(1), most_read_c);
+      length_v := 8;
+    elsif head(1) = write_registers_c then
+      code_v := run_code(halves(0), halves(1), most_written_c);
+      length_v := write_head_c + 2 + to_integer(unsigned(head(6)));
     elsif head(1) = write_and_read_c then
-      read_v := run_code(halves(0), halves(1), most_read_c);
-      write_v := run_code(halves(2), halves(3), most_of_both_c);
-
-      if halves(3) * 2 /= unsigned(head(10)) or length /= head_c + 2 + to_integer(unsigned(head(10))) then
-        return illegal_value_c;
-      elsif read_v = illegal_value_c or write_v = no_exception_c then
-        return read_v;
-      end if;
-
-      return write_v;
-    else
-      return illegal_function_c;
+      code_v := worse_code(run_code(halves(0), halves(1), most_read_c), run_code(halves(2), halves(3), most_of_both_c));
+      length_v := head_c + 2 + to_integer(unsigned(head(10)));
     end if;
+
+    if length /= length_v or (head(1) = write_registers_c and halves(1) * 2 /= unsigned(head(6)))
+       or (head(1) = write_and_read_c and halves(3) * 2 /= unsigned(head(10))) then
+      code_v := illegal_value_c;
+    end if;
+
+    return code_v;
 
   end function frame_code;
 
@@ -265,6 +277,8 @@ begin
       if m_axi_rvalid = '1' then
         reading <= '0';
       end if;
+
+      -- No case, and no array by index: GHDL 2.0 writes both into its Verilog without a default.
       if state = idle then
         length <= 0;
         bad <= '0';
@@ -280,7 +294,6 @@ begin
           kept <= rx_data;
           kept_at <= to_unsigned(length mod longest_c, 8);
 
-          -- An index would do, but GHDL 2.0.0 makes a latch of it.
           for k in head'range loop
 
             if length = k then
@@ -314,7 +327,7 @@ begin
         moved <= 0;
         if code /= no_exception_c then
           state <= answer;
-        elsif head(1) = write_c then
+        elsif head(1) = write_registers_c then
           address <= halves(0)(11 downto 1);
           left <= to_integer(halves(1)(6 downto 1));
           place <= to_unsigned(write_head_c, 8);
@@ -357,7 +370,7 @@ begin
           left <= left - 1;
           if left > 1 then
             state <= fetch;
-          elsif head(1) = write_c then
+          elsif head(1) = write_registers_c then
             state <= answer;
           else
             state <= start_read;
@@ -375,7 +388,15 @@ begin
         state <= ask_read;
       elsif state = ask_read then
         if address(10) = '1' then
-          word <= std_ulogic_vector(counts(to_integer(address(1 downto 0))));
+
+          for k in counts'range loop
+
+            if address(1 downto 0) = k then
+              word <= std_ulogic_vector(counts(k));
+            end if;
+
+          end loop;
+
           state <= store;
         elsif reading = '1' then
           code <= device_failure_c;
@@ -423,7 +444,7 @@ begin
         if code /= no_exception_c then
           counts(exceptions_c) <= counts(exceptions_c) + 1;
           last <= to_unsigned(2, 8);
-        elsif head(1) = write_c then
+        elsif head(1) = write_registers_c then
           last <= to_unsigned(5, 8);
         else
           last <= answer_bytes + 2;
@@ -449,7 +470,7 @@ begin
             state <= drain;
           end if;
         end if;
-      else
+      elsif state = drain then
         if tx_ready = '1' then
           state <= idle;
         end if;
@@ -480,7 +501,7 @@ begin
       answer_byte <= head(1) or x"80";
     elsif place = 2 and code /= no_exception_c then
       answer_byte <= "00000" & code;
-    elsif place = 2 and head(1) /= write_c then
+    elsif place = 2 and head(1) /= write_registers_c then
       answer_byte <= std_ulogic_vector(answer_bytes);
     end if;
 

@@ -86,6 +86,17 @@ CLAIMS = (
     Claim("loader", "gc_loader", induction=1),
     Claim("bank_switch", "gc_bank_switch", induction=1),
     Claim("friction", "gc_friction", {"loadable_g": "true"}, cuts=("sliding_7", "g_load_mu_7"), induction=12),
+    *(
+        Claim(
+            "uart",
+            "gc_uart",
+            {"clock_hz_g": 8, "baud_g": 1, "parity_g": parity},
+            {"BITS": bits, "ODD": odd},
+            induction=1,
+        )
+        for parity, bits, odd in ((0, 10, 0), (1, 11, 1), (2, 11, 0))
+    ),
+    Claim("modbus", "gc_modbus", {"gap_clocks_g": 2, "bus_clocks_g": 3}, cuts=("fetched",), induction=1),
     Claim("lockstep", "gc_lockstep", {"bits_g": 4}, {"BITS": 4}),
     Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
     # Of the loader nothing matters to an interrupt, and its key is 32 bits.
