@@ -13,7 +13,7 @@ from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.placement import compensation_from_effects
 from gravcomp.robot.machine import load_machine
 from mechanisms import WEIGHTS
-from test_py_importers import published
+from support.published import published
 
 NOISE_NM = 0.05
 # Of the arm's users: alpha deg, a m, d m, theta offset deg, mass kg, centre of mass m in the link's frame.

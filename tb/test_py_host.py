@@ -11,7 +11,7 @@ from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.driver.host import STATE_WORDS, Host, Result, machine_settings
 from gravcomp.driver.registers import read_registers
 from machines import MACHINE, SHIPPED, changed, machine_folder
-from test_rtl_host import SETTINGS
+from support.host import SETTINGS
 
 CLOCK_HZ, FILTER_SAMPLES = int(MACHINE.clock_hz), 4
 FASTEST = 4 * CLOCK_HZ // (2 * FILTER_SAMPLES + 1)  # counts/s: a limit of one clock more than the shortest period

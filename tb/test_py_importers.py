@@ -1,21 +1,11 @@
 """Really measured data. Looked for in ../shared/data or the folder named by GRAVCOMP_DATA."""
 
 import json
-import os
-from pathlib import Path
 
 import pytest
 
 from gravcomp.cli import main
-
-FOLDERS = [os.environ.get("GRAVCOMP_DATA"), Path(__file__).resolve().parents[2] / "shared" / "data"]
-
-
-def published(name):
-    for folder in FOLDERS:
-        if folder and (Path(folder) / name).exists():
-            return str(Path(folder) / name)
-    pytest.skip(f"{name} is neither in ../shared/data nor in GRAVCOMP_DATA")
+from support.published import published
 
 
 def diagnosed(tmp_path, kind, name, *options):

@@ -17,7 +17,7 @@ from gravcomp.robot.machine import parse_machine
 from gravcomp.training.training import Effort, train, workspace_set
 from gravcomp.twin import network as bittrue
 from runner import BUILD
-from test_rtl_core import check_core
+from support.core import check_core
 
 COUNTS_PER_TURN, AMPERE_PER_NM = 100_000, np.array([1 / 40, 1 / 20])
 MASSES_KG, LENGTHS_M = np.array([3.0, 2.1]), np.array([0.4, 0.28])  # of arm_toml(2)

@@ -9,7 +9,7 @@ from axes import random_network
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.inputs import POSITION, SIN_COS
 from machines import machine_folder
-from test_rtl_core import check_core
+from support.core import check_core
 
 
 def check_machine(inputs: tuple[str, ...], n_hidden: int, lanes: int, folder: Path, **options) -> None:

@@ -12,7 +12,7 @@ import pytest
 from cocotb.task import bridge, resume
 
 from c_host import CHost, compile_host
-from codes import ROOT, fixed_network, pack, weights_under_test
+from codes import ROOT, fixed_network, pack
 from gravcomp.cli import main
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.driver.host import (
@@ -25,7 +25,6 @@ from gravcomp.driver.host import (
     Result,
     Settings,
     State,
-    machine_settings,
 )
 from gravcomp.driver.registers import read_registers
 from gravcomp.twin import network as bittrue
@@ -35,8 +34,8 @@ from gravcomp_lab.benches.system import System
 from loading import image_of, other_weights
 from machines import SHIPPED
 from runner import BENCHES, BUILD, simulate
+from support.host import INDEX, SETTINGS
 
-INDEX = np.array([2002, -3002, 4002])
 POSES = [(2042, -3001, 4002), (1990, -3042, 3961), (2002, -3002, 4002)]
 POLLS = 300
 ESTOP = 1
@@ -44,23 +43,6 @@ HOMING_CLOCKS = 100_000
 SHORT_IMAGE = bytes(range(256)) * 2
 SPEED_TIMEOUT = 100  # clocks to standstill
 STILL = 2**31 - 1  # speed_period then
-SETTINGS = Settings(
-    **machine_settings(weights_under_test()),
-    index_position=tuple(INDEX.tolist()),
-    index_period=(0, 4000, 400),
-    margin_counts=(100, 100, 100),
-    speed_max_counts_per_s=(15_000_000, 14_000_000, 13_000_000),
-    current_limit_ua=(1_500_000, 1_400_000, 1_500_000),
-    current_slew_ua=(400_000, 400_000, 300_000),
-    command_bound_ua=(1000, 1000, 1000),
-    tick_us=3,
-    saturation_us=200,
-    watchdog_us=60,
-    result_us=200,
-    brake_us=1,
-    command_us=10,
-    hold_us=100,
-)
 
 
 class Robot:

@@ -16,7 +16,7 @@ from gravcomp_lab.benches.axi import BusError, SimulatedBus
 from gravcomp_lab.benches.system import ALL_FAULTS, KICK, System
 from loading import image_of, other_weights
 from runner import BENCHES, BUILD, simulate
-from test_rtl_system import assert_bit_true
+from support.bit_true import assert_bit_true
 
 KEY = 0x4B455953
 BEGIN, COMMIT, ROM = 1, 2, 4  # bits of load_command

@@ -8,7 +8,7 @@ from gravcomp.core.formats import quantise
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.twin.network import core
 from runner import ROOT
-from test_rtl_core import check_core
+from support.core import check_core
 
 UR5_LANES = (1, 2, 4, 5, 10, 20)
 

@@ -12,7 +12,7 @@ from gravcomp.core.formats import FORCE_BITS
 from gravcomp.twin import network as bittrue
 from gravcomp_lab.benches.core import draw_counts
 from runner import ROOT, verilate
-from test_rtl_gates import ghdl_verilog, netlist
+from support.netlists import ghdl_verilog, netlist
 
 N_POSES, SEED = {"ghdl": 100_000, "ecp5": 10_000}, 21
 

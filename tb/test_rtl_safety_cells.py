@@ -11,7 +11,7 @@ from codes import ROOT, fixed_network
 from gravcomp.files import write_atomically
 from gravcomp.twin.safety import Cause, State
 from runner import BUILD, simulate
-from test_rtl_safety import ENABLED, GUARDED, LIMITS, ONSET, present_it, quiet_inputs, run_and_compare
+from support.safety import ENABLED, GUARDED, LIMITS, ONSET, present_it, quiet_inputs, run_and_compare
 
 N_CLOCKS = 240
 CELLS = BUILD / "cells" / "safety.json"

@@ -10,12 +10,9 @@ from cocotb.task import bridge, resume
 from cocotb.triggers import FallingEdge, ReadOnly
 from cocotb.utils import get_sim_time
 
-from codes import fixed_compensation, fixed_network, hash_under_test, pack, unpack, weights_under_test
+from codes import fixed_network, hash_under_test, pack, unpack, weights_under_test
 from gravcomp.core.formats import COUNT_BITS
-from gravcomp.core.image import Image
 from gravcomp.driver.host import Host, Result, Settings, machine_settings
-from gravcomp.twin import network as bittrue
-from gravcomp.twin.compensator import compensator
 from gravcomp.twin.safety import Cause
 from gravcomp_lab.benches.axi import BusError, Registers, SimulatedBus
 from gravcomp_lab.benches.changes import until
@@ -31,19 +28,7 @@ from gravcomp_lab.benches.system import (
     path_of,
 )
 from runner import simulate
-
-
-def assert_bit_true(result: dict[str, np.ndarray], constants: Image | None = None) -> None:
-    """AssertionError when the forces and currents are not those of the result's own position and speed.
-
-    constants: those in use, if not the ROM's.
-    """
-    network = constants.network if constants else fixed_network()
-    compensation = constants.compensation if constants else fixed_compensation()
-    network_mn = bittrue.core(result["position"], network).force_mn
-    force_mn, _ = compensator(network_mn, result["position"], result["speed_period"], compensation)
-    np.testing.assert_array_equal(result["force_mn"], force_mn)
-    np.testing.assert_array_equal(result["current_ua"], bittrue.current_scaler(force_mn, network))
+from support.bit_true import assert_bit_true
 
 
 def hardware_values() -> dict[str, list[int]]:
