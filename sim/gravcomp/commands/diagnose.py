@@ -67,8 +67,10 @@ def diagnose_log(arguments, robot: Path | None) -> tuple:
 
         found = diagnose(data, model, arguments.seed, arguments.holdout, tick)
     grown = model.grown(found.fit)
-    files = {"report.json": report_json(found), "model.toml": model_toml(grown), "report.html": report_html(found)}
+    content = report(found)
+    page = report_html(found, content)
+    files = {"report.json": report_json(content), "model.toml": model_toml(grown), "report.html": page}
     beside = grown.machine.files if grown.machine else {}  # what model.toml refers to
-    write_all_atomically({arguments.out / name: content for name, content in (files | dict(beside)).items()})
-    print(text(report(found), arguments.seed))
+    write_all_atomically({arguments.out / name: whole for name, whole in (files | dict(beside)).items()})
+    print(text(content, arguments.seed))
     return found, grown

@@ -53,12 +53,12 @@ def drivers(data, use, before, after, fit: Fit, left) -> list[dict]:
     parts = {id(entry): along(data, entry, use, before) / total for entry in fit.entries}
     out = []
     for entry in fit.corrections:
-        for axis, variable in entry.term.candidate.follows(data, entry.parameters, entry.force(data)):
+        for axis, variable in entry.term.candidate.follows(data, entry.parameters, data.once(entry.force)):
             out.append(_item(axis, variable, parts[id(entry)][axis]))
     out.sort(key=lambda item: -item["share"])
     out += [{**item, "share": item["share"] * np.sum(after[use] ** 2) / total, "of": ""} for item in left]
     for entry in fit.effects:
-        for axis, variable in entry.term.candidate.follows(data, entry.parameters, entry.force(data)):
+        for axis, variable in entry.term.candidate.follows(data, entry.parameters, data.once(entry.force)):
             out.append(_item(axis, variable, parts[id(entry)][axis], entry.name))
     once: dict[tuple, dict] = {}
     for item in out:

@@ -58,7 +58,7 @@ class _Span:
         blocks = [_derivatives(data, entry) for entry in entries]
         ends = np.cumsum([0, *(block.shape[-1] for block in blocks)])
         self._place = {id(entry): np.arange(ends[k], ends[k + 1]) for k, entry in enumerate(entries)}
-        self._force = {id(entry): entry.force(data) for entry in entries}
+        self._force = {id(entry): data.once(entry.force) for entry in entries}
         columns = np.concatenate([*blocks, np.zeros((*data.shape, 0))], axis=-1)
         norm = np.sqrt(np.einsum("nka,nk->a", columns**2, weight**2))
         self._columns = columns / np.maximum(norm, TINY)
@@ -85,4 +85,4 @@ def _derivatives(data: Measurement, entry: Entry) -> np.ndarray:
 
 def along(data: Measurement, entry: Entry, use: np.ndarray, before: np.ndarray) -> np.ndarray:
     """<F_e, r> on the samples to use, per axis (k,): over all entries and what is left they add up to <r, r>."""
-    return np.sum(np.where(use, entry.force(data) * before, 0.0), axis=0)
+    return np.sum(np.where(use, data.once(entry.force) * before, 0.0), axis=0)

@@ -217,6 +217,16 @@ class Measurement:
         ]
         return np.stack(columns, axis=-1)
 
+    def once(self, function: Callable[["Measurement"], np.ndarray]) -> np.ndarray:
+        """What a function of this log gives, computed at its first call: what a robot tells of every row is dear."""
+        if function not in self._known:
+            self._known[function] = function(self)
+        return self._known[function]
+
+    @cached_property
+    def _known(self) -> dict:
+        return {}
+
     @cached_property
     def body_moments(self) -> np.ndarray | None:
         """Efforts per kg m of first moment on each body of the robot, (n, k, b, 3); None where they are not known."""

@@ -24,15 +24,15 @@ class BaseTilt(Effect):
         return "" if isinstance(data.robot, TurnsGravity) else "how gravity loads the axes is not known"
 
     def columns(self, data, shape):
-        down = data.robot.gravity_direction
+        down, loads = data.robot.gravity_direction, data.once(_loads)
         return {
-            Parameter(label): data.robot.with_gravity(np.cross(axis, down)).forces(data.q)
+            Parameter(label): loads @ np.cross(axis, down)
             for label, axis in zip(("tilt_a", "tilt_b"), tilt_axes(down), strict=True)
         }
 
     def predict(self, data, parameters):
         turned = turned_gravity(data.robot, parameters)
-        return turned.forces(data.q) - data.robot.forces(data.q)
+        return data.once(_loads) @ (turned.gravity_direction - data.robot.gravity_direction)
 
     def mechanics(self, robot, parameters):
         return Mechanics(gravity_direction=turned_gravity(robot, parameters).gravity_direction)
@@ -50,3 +50,12 @@ def turned_gravity(robot: TurnsGravity, parameters: dict[str, float]) -> Robot:
     axes = tilt_axes(robot.gravity_direction)
     vector = parameters["tilt_a"] * axes[0] + parameters["tilt_b"] * axes[1]
     return robot.with_gravity(Rotation.from_rotvec(vector).apply(robot.gravity_direction))
+
+
+def _loads(data) -> np.ndarray:
+    """Efforts (n, k, 3) of gravity along each axis of the base frame: its part of the efforts is linear in it."""
+    either = [
+        [data.robot.with_gravity(sign * axis).forces(data.q) for sign in (1.0, -1.0)]  # springs are the same in both
+        for axis in np.eye(3)
+    ]
+    return np.stack([(up - down) / 2 for up, down in either], axis=-1)

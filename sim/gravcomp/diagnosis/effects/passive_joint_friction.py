@@ -29,7 +29,7 @@ class PassiveJointFriction(Effect):
         )
 
     def columns(self, data, shape):
-        force = _by_joint(data)
+        force = data.once(_by_joint)
         is_prismatic = _is_prismatic(data.robot)
         return {
             Parameter("fc_prismatic_n"): force[:, is_prismatic].sum(axis=1),
@@ -37,10 +37,10 @@ class PassiveJointFriction(Effect):
         }
 
     def predict(self, data, parameters):
-        return np.einsum("npk,p->nk", _by_joint(data), _levels(data.robot, parameters))
+        return np.einsum("npk,p->nk", data.once(_by_joint), _levels(data.robot, parameters))
 
     def doubt(self, data, parameters):
-        return doubt_of_friction(data.robot.passive_jacobian(data.q), data, _levels(data.robot, parameters))
+        return doubt_of_friction(data.once(_jacobian), data, _levels(data.robot, parameters))
 
     def mechanics(self, robot, parameters):
         return Mechanics(passive_friction=dict(enumerate(_levels(robot, parameters))))
@@ -60,7 +60,7 @@ class FrictionOfEachPassiveJoint(PassiveJointFriction):
     complexity = 3.0
 
     def columns(self, data, shape):
-        return dict(zip(_names(data.robot), _by_joint(data).transpose(1, 0, 2), strict=True))
+        return dict(zip(_names(data.robot), data.once(_by_joint).transpose(1, 0, 2), strict=True))
 
 
 def _is_prismatic(robot) -> np.ndarray:
@@ -88,8 +88,12 @@ def friction_by_joint(jacobian, data) -> np.ndarray:
     return jacobian * np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)[..., None]
 
 
+def _jacobian(data) -> np.ndarray:
+    return data.robot.passive_jacobian(data.q)
+
+
 def _by_joint(data) -> np.ndarray:
-    return friction_by_joint(data.robot.passive_jacobian(data.q), data)
+    return friction_by_joint(data.once(_jacobian), data)
 
 
 def doubt_of_friction(jacobian, data, levels) -> np.ndarray:

@@ -30,12 +30,20 @@ class Payload(Effect):
     def columns(self, data, shape):
         if not isinstance(data.robot, TakesPayload):
             return {Parameter("torque_cos"): np.cos(data.q), Parameter("torque_sin"): np.sin(data.q)}
-        columns = np.moveaxis(data.robot.payload_regressors(data.q), -1, 0)
+        columns = np.moveaxis(data.once(_moments), -1, 0)
         felt = {Parameter(f"moment_{axis}"): column for axis, column in zip("xyz", columns, strict=True)}
         if isinstance(data.robot, LiftsPayload):
-            felt[Parameter("mass")] = data.robot.payload_mass_regressor(data.q)
+            felt[Parameter("mass")] = data.once(_mass)
         return felt
 
     def mechanics(self, robot, parameters):
         moment = np.array([parameters.get(f"moment_{axis}", 0.0) for axis in "xyz"])
         return Mechanics(mass_kg=parameters.get("mass", 0.0), moments_kgm={"": moment})
+
+
+def _moments(data) -> np.ndarray:
+    return data.robot.payload_regressors(data.q)
+
+
+def _mass(data) -> np.ndarray:
+    return data.robot.payload_mass_regressor(data.q)

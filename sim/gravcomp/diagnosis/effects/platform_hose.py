@@ -2,6 +2,7 @@
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.diagnosis.effects.universal_joint_friction import universal_jacobian
 from gravcomp.robot.protocol import HasUniversalJoints
 
 
@@ -20,10 +21,14 @@ class PlatformHose(Effect):
         return "" if isinstance(data.robot, HasUniversalJoints) else "the universal joints are not known"
 
     def columns(self, data, shape):
-        angles, jacobian = data.robot.universal_angles(data.q), data.robot.universal_jacobian(data.q)
+        angles, jacobian = data.once(_angles), data.once(universal_jacobian)
         n_joints = angles.shape[1] // 2
         outer = range(n_joints, 2 * n_joints)
         return {Parameter("k", m): angles[:, [a]] * jacobian[:, a] for m, a in enumerate(outer)}
 
     def groups(self, labels):
         return [{label} for label in labels]
+
+
+def _angles(data):
+    return data.robot.universal_angles(data.q)

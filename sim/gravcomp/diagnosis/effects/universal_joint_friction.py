@@ -27,14 +27,14 @@ class UniversalJointFriction(Effect):
         )
 
     def columns(self, data, shape):
-        return {Parameter("fc_universal_nm"): _by_joint(data).sum(axis=1)}
+        return {Parameter("fc_universal_nm"): data.once(_by_joint).sum(axis=1)}
 
     def predict(self, data, parameters):
-        return np.einsum("nmk,m->nk", _by_joint(data), _levels(data, parameters))
+        return np.einsum("nmk,m->nk", data.once(_by_joint), _levels(data, parameters))
 
     def doubt(self, data, parameters):
         levels = np.tile(_levels(data, parameters), 2)
-        return doubt_of_friction(data.robot.universal_jacobian(data.q), data, levels)
+        return doubt_of_friction(data.once(universal_jacobian), data, levels)
 
     def constants(self, data, parameters):
         """The Coulomb friction that is nearest to these forces in the mean square."""
@@ -48,12 +48,18 @@ class FrictionOfEachUniversalJoint(UniversalJointFriction):
     complexity = 3.0
 
     def columns(self, data, shape):
-        return {Parameter("fc_universal_nm", joint): own for joint, own in enumerate(_by_joint(data).swapaxes(0, 1))}
+        return {
+            Parameter("fc_universal_nm", joint): own for joint, own in enumerate(data.once(_by_joint).swapaxes(0, 1))
+        }
+
+
+def universal_jacobian(data) -> np.ndarray:
+    return data.robot.universal_jacobian(data.q)
 
 
 def _by_joint(data) -> np.ndarray:
     """What friction of level one in both hinges of each joint adds to the axes, (n, m, k)."""
-    hinges = friction_by_joint(data.robot.universal_jacobian(data.q), data)
+    hinges = friction_by_joint(data.once(universal_jacobian), data)
     return hinges.reshape(len(hinges), 2, -1, data.n_axes).sum(axis=1)
 
 

@@ -37,8 +37,8 @@ def contributions(d: Diagnosis) -> list[Contribution]:
     for kind, entries in (("effect", d.fit.effects), ("correction", d.fit.corrections)):
         for entry in entries:
             found[entry.name, kind] = found.get((entry.name, kind), 0.0) + along(d.data, entry, use, d.before)
-            explained = explained - np.where(use, entry.force(d.data), 0.0)
-    of_sensors = [entry.name for entry in d.fit.effects if not entry.force(d.data).any()]
+            explained = explained - np.where(use, d.data.once(entry.force), 0.0)
+    of_sensors = [entry.name for entry in d.fit.effects if not d.data.once(entry.force).any()]
     for name in of_sensors:  # their log is corrected before anything is fitted; together they are what no force is
         found[name, "effect"] = (explained * r).sum(axis=0) / len(of_sensors)
     out = [

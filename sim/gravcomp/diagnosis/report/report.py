@@ -37,19 +37,18 @@ def report(d: Diagnosis) -> dict:
     """The report as a dictionary, schema 1."""
     test, force = d.is_test & ~d.left_out.any(axis=1), d.data.force
     decided = test & ~d.data.is_undecided.any(axis=1)
-    alternatives = _unique(d.alternatives)
+    alternatives, parts = _unique(d.alternatives), contributions(d)
     return {
         "schema": 1,
-        "found": found_sentence(d, alternatives),
-        "next": next_sentence(d, alternatives),
+        "found": found_sentence(d, alternatives, parts),
+        "next": next_sentence(d, alternatives, parts),
         "verdict": d.verdict,
         "effects": [_effect(d, entry) for entry in d.fit.effects],
         "alternatives": alternatives,
         "joint_share": d.shares.joint,
         "drivers": d.drivers,
         "contributions": [
-            {"name": own.name, "kind": own.kind, "by_axis": own.by_axis.tolist(), "whole": own.whole}
-            for own in contributions(d)
+            {"name": own.name, "kind": own.kind, "by_axis": own.by_axis.tolist(), "whole": own.whole} for own in parts
         ],
         "before": errors(d.before[test], force[test]),
         "after": errors(d.after[test], force[test]),
@@ -83,8 +82,8 @@ def _not_judged(d: Diagnosis) -> dict:
     }
 
 
-def report_json(d: Diagnosis) -> str:
-    return json.dumps(report(d), indent=2, allow_nan=False) + "\n"
+def report_json(content: dict) -> str:
+    return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
 def text(content: dict, seed: int) -> str:

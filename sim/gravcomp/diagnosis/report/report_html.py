@@ -2,7 +2,7 @@
 
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.report.figures import axis_figure, driver_figure
-from gravcomp.diagnosis.report.report import by_reason, error_rows, report
+from gravcomp.diagnosis.report.report import by_reason, error_rows
 
 # Okabe and Ito, 2008: told apart by every eye; what has no name is grey.
 _COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#f0e442", "#000000")
@@ -11,12 +11,11 @@ _LEFT = "#e4e4e4"
 _SEEN = 0.002  # of an axis: a thinner part is no picture
 
 
-def report_html(d: Diagnosis) -> str:
-    """The page."""
+def report_html(d: Diagnosis, content: dict) -> str:
+    """The page of a diagnosis and its report."""
     import jinja2
 
     pages = jinja2.Environment(loader=jinja2.PackageLoader("gravcomp.diagnosis.report", "."), autoescape=True)
-    content = report(d)
     return pages.get_template("report.html.j2").render(
         name=d.data.name, r=content, rows=error_rows(content), bars=_bars(content), legend=_legend(content),
         untestable=by_reason(content["untestable"]), drivers=driver_figure(d), position_units=d.data.position_units,

@@ -4,12 +4,12 @@ import numpy as np
 
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.fit import Entry
-from gravcomp.diagnosis.report.contributions import contributions, counted
+from gravcomp.diagnosis.report.contributions import Contribution, counted
 
 _PLAN = "gravcomp plan"
 
 
-def found_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
+def found_sentence(d: Diagnosis, alternatives: list[list[str]], parts: list[Contribution]) -> str:
     """What the model lacks, how much of it that explains, and how sure the names are."""
     use = counted(d)
     before, after = (float(np.sqrt(np.mean(error[use] ** 2))) for error in (d.before, d.after))
@@ -19,17 +19,17 @@ def found_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
     if not d.fit.effects:
         what = _followed(d)
         return f"The model lacks {before:.3g} {unit} RMS, and no effect on the list explains it: {what}."
-    names = joined([with_axes(entry, d.data.n_axes) for entry in _largest_first(d)])
+    names = joined([with_axes(entry, d.data.n_axes) for entry in _largest_first(d, parts)])
     text = f"The model lacks {names}: {before:.3g} {unit} RMS of error become {after:.3g}"
     is_rest = "" if d.verdict == "explained" else f"; more is missing, and {_followed(d)}"
     return f"{text}{is_rest}; {_sureness(alternatives)}."
 
 
-def next_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
+def next_sentence(d: Diagnosis, alternatives: list[list[str]], parts: list[Contribution]) -> str:
     """The next step: what goes where, what to measure, which sensor to check."""
     steps = [f"check {_sensor(entry)}" for entry in d.fit.effects if entry.term.candidate.sensor]
     places: dict[str, list[str]] = {}
-    for entry in _largest_first(d):
+    for entry in _largest_first(d, parts):
         if not entry.term.candidate.sensor:
             places.setdefault(entry.term.candidate.hardware, []).append(plain(entry.name))
     into = [f"{joined(places[place])} into the {place}" for place in ("network", "compensator") if place in places]
@@ -53,8 +53,8 @@ def next_sentence(d: Diagnosis, alternatives: list[list[str]]) -> str:
     return f"Next: {'; '.join(steps)}."
 
 
-def _largest_first(d: Diagnosis) -> list[Entry]:
-    size = {own.name: own.whole for own in contributions(d) if own.kind == "effect"}
+def _largest_first(d: Diagnosis, parts: list[Contribution]) -> list[Entry]:
+    size = {own.name: own.whole for own in parts if own.kind == "effect"}
     return sorted(d.fit.effects, key=lambda entry: -size[entry.name])
 
 
