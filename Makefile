@@ -8,7 +8,7 @@ PYTEST := $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil budget latency formats certify certify-all docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil machines budget latency formats certify certify-all docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -121,8 +121,12 @@ table2: setup ## the paper's Table 2 on the virtual prototype; docs/measured/tab
 table2-real: setup ## the paper's Table 2 on a real arm: GRAVCOMP_DATA=folder with dvrk_mtm/holds.csv; docs/measured/table2_real.md
 	@$(LAB) table2-real
 
-synth: setup ## area and clock of the core with 1, 4 and 20 lanes, placed and routed on ECP5; docs/measured/synthesis.md
-	@$(LAB) synth --docs docs/measured
+synth: setup ## area and clock of the core of WEIGHTS with LANES="1 4 20", placed and routed on ECP5; docs/measured/synthesis.md
+	@$(LAB) synth --weights "$(WEIGHTS)" $(if $(LANES),--lanes $(LANES)) \
+	   $(if $(filter weights/spheiro,$(WEIGHTS)),$(if $(LANES),,--docs docs/measured))
+
+machines: setup ## the shipped machines: error, neurons, operations, clocks, cells of the core; docs/measured/machines.md
+	@$(LAB) machines --docs docs/measured
 
 guards: setup ## cells of the safety chain with its guards off and on; docs/guide/safety.md
 	@$(LAB) guards --docs docs/guide

@@ -6,6 +6,7 @@ file anew; the difference is for review.
 
 import csv
 import os
+from pathlib import Path
 
 import pytest
 
@@ -13,9 +14,9 @@ from gravcomp.errors import InputError
 from gravcomp_lab.__main__ import main
 from gravcomp_lab.synthesis.place_route import place_and_route, prepare
 from gravcomp_lab.synthesis.report import picture, tables
-from gravcomp_lab.synthesis.survey import MULTIPLIER, TOP, Result
+from gravcomp_lab.synthesis.survey import MULTIPLIER, TOP, Result, part_of
 from gravcomp_lab.synthesis.verilog import repair, rtl_sources, to_verilog
-from gravcomp_lab.synthesis.yosys import synthesise
+from gravcomp_lab.synthesis.yosys import Netlist, synthesise
 from runner import ROOT, RTL
 
 PINS = ROOT / "tb" / "synthesis.csv"
@@ -102,6 +103,22 @@ def test_clock_of_one_lane_is_above_its_floor(tmp_path):
     assert placed.clock_mhz > 175
 
 
+@pytest.mark.parametrize(("multipliers", "part"), [(9, "25k"), (28, "25k"), (29, "45k"), (73, "85k"), (156, "85k")])
+def test_part_is_the_smallest_that_holds_the_multipliers(multipliers, part):
+    assert part_of(Netlist("gc_core", {"MULT18X18D": multipliers}, Path("n.json"), Path("n.v"))) == part
+
+
+def test_core_that_no_part_holds_is_refused():
+    with pytest.raises(InputError, match=r"n\.json: 157 multipliers, the largest part has 156; take fewer lanes"):
+        part_of(Netlist("gc_core", {"MULT18X18D": 157}, Path("n.json"), Path("n.v")))
+
+
+@pytest.mark.parametrize("command", ["synth", "latency", "budget", "path"])
+def test_no_lane_is_refused(command, capsys):
+    assert main([command, "--lanes", "0"]) == 2
+    assert capsys.readouterr().err == f"gravcomp-lab {command}: --lanes 0: give 1 or more\n"
+
+
 def test_repair_reads_wide_strings_as_bits():
     bits = "10" * 20
     assert repair(f'assign a = "{bits}";') == f"assign a = 40'b{bits};"
@@ -156,6 +173,7 @@ def result(**changes) -> Result:
     """A made-up result of four lanes."""
     values = {
         "lanes": 4,
+        "part": "45k",
         "interval": 5,
         "latency": 27,
         "port_flip_flops": 178,

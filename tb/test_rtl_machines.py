@@ -3,10 +3,15 @@
 import numpy as np
 import pytest
 
+from gravcomp.core.compensator_tables import quantise_compensation
 from gravcomp.core.folder import load_folder
-from gravcomp.core.formats import quantise
+from gravcomp.core.formats import FORCE_BITS, quantise
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.twin.network import core
+from gravcomp_lab.benches.force_path import motion_run
+from gravcomp_lab.simulated.pictures import run_picture
+from gravcomp_lab.simulated.poses import MOST_COUNTS
+from machines import rtl_of
 from runner import ROOT
 from support.core import check_core
 
@@ -34,6 +39,24 @@ def test_core_of_the_ur5_forgets_what_is_under_way_at_a_reset(tmp_path):
 @pytest.mark.parametrize(("name", "lanes"), [("slide", 1), ("arm2", 3), ("fivebar", 4), ("so101", 8)])
 def test_core_of_a_shipped_machine_equals_its_model(name, lanes, tmp_path):
     check_shipped(name, lanes, tmp_path, r"\.back_to_back$")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["slide", "ur5"])
+def test_motion_of_a_shipped_machine_through_its_encoder_pins_equals_the_model(name, tmp_path):
+    """The motion of `make sim` moves every axis within what the pins take, and within its range."""
+    weights = ROOT / "weights" / name
+    content = load_folder(weights)
+    drive = content.machine.drive
+    run = motion_run(rtl_of(weights, tmp_path / "rtl"), tmp_path, weights, tmp_path / "run.vcd", n_poses=6)
+    compensation = quantise_compensation(content.compensation, drive, weights)
+    assert not run.lsb(quantise(content.network, drive, weights), compensation).any()
+    steps = np.abs(np.diff(run.count, axis=0))
+    assert steps.max(axis=0).min() > 0
+    assert steps.max() <= MOST_COUNTS
+    figure = run_picture(tmp_path / "run.vcd", content.machine.n_axes, FORCE_BITS)
+    labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert labels == [f"axis {k}" for k in range(1, content.machine.n_axes + 1)]
 
 
 def test_ur5_misses_the_statics_by_less_than_0_07_percent_in_the_hardware_too():

@@ -78,13 +78,15 @@ async def one_inference(dut):
     hand_over(operations=[[kind, layer, n] for (kind, layer), n in sorted(total.items())])
 
 
-def budget_run(lanes: int, rtl: Path, build: Path, weights: Path) -> tuple[dict[str, int], dict[str, int]]:
-    """Multiplications and sums of one inference of gc_core with so many lanes, in GHDL with rtl's ROM, from weights.
+def budget_run(
+    lanes: int, rtl: Path, build: Path, weights: Path, generated: Path | None = None
+) -> tuple[dict[str, int], dict[str, int]]:
+    """Multiplications and sums of one inference of gc_core with so many lanes, in GHDL, of the network and apart.
 
-    Those of the network, and those apart.
+    The ROM is that of rtl, or that in generated, made from weights.
     """
     environment = {"WEIGHTS": str(weights.absolute())}
-    measured = run_bench("gc_core", __name__, lanes, rtl, build / f"budget-{lanes}", environment)
+    measured = run_bench("gc_core", __name__, lanes, rtl, build / f"budget-{lanes}", environment, generated=generated)
     rows = measured["operations"]
     return tuple(
         {

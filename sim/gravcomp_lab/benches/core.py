@@ -2,6 +2,7 @@
 
 import os
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import cocotb
 import numpy as np
 
 from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
+from gravcomp.errors import InputError
 from gravcomp.simulation.measured import hand_over
 from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import corners_and_random, fixed_network, pack, unpack
@@ -72,11 +74,20 @@ async def back_to_back(dut):
     hand_over(count=counts, clocks_per_s=clocks_per_s, **vars(got))
 
 
-def core_run(lanes: int, rtl: Path, build: Path, weights: Path) -> CoreRun:
-    """The run of gc_core with so many lanes, simulated under GHDL with the ROM in rtl, made from weights."""
+def core_run(lanes: int, rtl: Path, build: Path, weights: Path, generated: Path | None = None) -> CoreRun:
+    """The run of gc_core with so many lanes, simulated under GHDL with the ROM in rtl, or in generated, made from
+    weights."""
     environment = {"WEIGHTS": str(weights.absolute())}
-    measured = run_bench("gc_core", __name__, lanes, rtl, build / f"core-{lanes}", environment)
-    return run_of(measured)
+    folder = build / f"core-{lanes}"
+    return run_of(run_bench("gc_core", __name__, lanes, rtl, folder, environment, generated=generated))
+
+
+def distinct_lanes(lanes: Iterable[int]) -> list[int]:
+    """The numbers of lanes in order, each once. Raises InputError for one below 1."""
+    for number in lanes:
+        if number < 1:
+            raise InputError(f"--lanes {number}: give 1 or more")
+    return sorted(set(lanes))
 
 
 def _only(clocks: np.ndarray) -> int:

@@ -9,7 +9,7 @@ from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from gravcomp.robot.spheiro.robot import Spheiro
 from gravcomp_lab.benches.budget import budget_run
-from gravcomp_lab.benches.core import LANES
+from gravcomp_lab.benches.core import distinct_lanes
 from gravcomp_lab.paper.operations import OperationCount, count_network_operations, count_statics_operations
 
 PAPER = "| paper: statics by its analytic model | | | | | 532 | 8305 |"
@@ -17,13 +17,14 @@ PAPER = "| paper: statics by its analytic model | | | | | 532 | 8305 |"
 
 def add_arguments(parser):
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="weights folder")
-    parser.add_argument("--lanes", type=int, default=4, choices=LANES, help="neurons per clock (default 4)")
+    parser.add_argument("--lanes", type=int, default=4, help="neurons per clock (default 4)")
     parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
     parser.add_argument("--build", type=Path, default=Path("build"), help="folder of the simulation")
 
 
 def run(arguments):
-    counted = budget_run(arguments.lanes, arguments.rtl, arguments.build, arguments.weights)
+    (lanes,) = distinct_lanes([arguments.lanes])
+    counted = budget_run(lanes, arguments.rtl, arguments.build, arguments.weights)
     of_vhdl = [OperationCount(**numbers) for numbers in counted]
     machine, network = load_machine(arguments.weights), load_network(arguments.weights)
     of_numpy = count_network_operations(network)
@@ -37,8 +38,8 @@ def run(arguments):
         print(_row("statics in closed form, from joint positions", count_statics_operations(machine.robot.parameters)))
         print(PAPER)
     print("\nA sum of many terms counts as one, as in the paper; theta |a| counts, though it is a shift in hardware.")
-    if padding := -network.n_hidden % arguments.lanes:
-        print(f"The VHDL has {padding} neurons of zero weight more, so that {arguments.lanes} lanes divide them.")
+    if padding := -network.n_hidden % lanes:
+        print(f"The VHDL has {padding} neurons of zero weight more, so that {lanes} lanes divide them.")
 
 
 def _row(name, count):

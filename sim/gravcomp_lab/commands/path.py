@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from gravcomp_lab.benches.core import LANES
+from gravcomp_lab.benches.core import distinct_lanes
 from gravcomp_lab.benches.system import path_run
 
 CLOCKS_PER_US = 40
@@ -10,14 +10,15 @@ CONTROL_PERIOD_US = 100  # of a control loop at 10 kHz
 
 
 def add_arguments(parser):
-    parser.add_argument("--lanes", type=int, default=4, choices=LANES, help="neurons per clock (default 4)")
+    parser.add_argument("--lanes", type=int, default=4, help="neurons per clock (default 4)")
     parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
     parser.add_argument("--weights", type=Path, default=Path("weights/spheiro"), help="machine folder of its ROM")
     parser.add_argument("--build", type=Path, default=Path("build"), help="folder of the simulation")
 
 
 def run(arguments):
-    path = path_run(arguments.lanes, arguments.rtl, arguments.build, arguments.weights)
+    (lanes,) = distinct_lanes([arguments.lanes])
+    path = path_run(lanes, arguments.rtl, arguments.build, arguments.weights)
     us, worst = path.shortest / CLOCKS_PER_US, path.shortest + CONTROL_PERIOD_US * CLOCKS_PER_US - 1
     print(
         f"{path.to_count} clocks from edge to count, {path.to_current} from tick to current, "

@@ -9,7 +9,7 @@ from gravcomp.core.folder import load_folder
 from gravcomp.core.formats import FORCE_BITS, quantise
 from gravcomp.errors import InputError
 from gravcomp_lab.benches.force_path import motion_run, pose_run
-from gravcomp_lab.simulated.pictures import error_maps, run_picture, save_figure
+from gravcomp_lab.simulated.pictures import error_picture, run_picture, save_figure
 from gravcomp_lab.simulated.run import error_table
 
 
@@ -31,7 +31,7 @@ def run(arguments):
         bar.update()
         poses = pose_run(arguments.rtl, build, arguments.weights)
     save_figure(run_picture(vcd, fixed.n_axes, FORCE_BITS), folder / "run.png")
-    save_figure(error_maps(fixed, machine), folder / "error_maps.png")
+    save_figure(error_picture(fixed, machine), folder / "error_maps.png")
     print("Simulated VHDL (gc_force_path, from its encoder pins) against the bit-true model and the statics; E is the")
     print("error of a pose against the statics, a vector over the axes, F the statics' forces:\n")
     print(error_table(poses, fixed, compensation, machine))

@@ -4,16 +4,17 @@ import os
 from pathlib import Path
 
 from gravcomp.errors import InputError
+from gravcomp_lab.benches.core import distinct_lanes
 from gravcomp_lab.pages import renew
+from gravcomp_lab.shipped import SPHEIRO
 from gravcomp_lab.simulated.pictures import save_figure
 from gravcomp_lab.synthesis.report import picture, tables
-from gravcomp_lab.synthesis.survey import PARTS, survey
+from gravcomp_lab.synthesis.survey import survey
 
 
 def add_arguments(parser):
-    parser.add_argument(
-        "--lanes", type=int, nargs="+", default=[1, 4, 20], choices=sorted(PARTS), help="neurons per clock"
-    )
+    parser.add_argument("--lanes", type=int, nargs="+", default=[1, 4, 20], help="neurons per clock")
+    parser.add_argument("--weights", type=Path, default=SPHEIRO, help="machine folder (default: the shipped one)")
     parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
     parser.add_argument("--build", type=Path, default=Path("build"), help="folder of simulations and of results")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
@@ -23,7 +24,8 @@ def add_arguments(parser):
 def run(arguments):
     if arguments.jobs < 1:
         raise InputError(f"--jobs {arguments.jobs}: need one or more")
-    results = survey(sorted(set(arguments.lanes)), arguments.rtl, arguments.build, arguments.jobs)
+    lanes = distinct_lanes(arguments.lanes)
+    results = survey(lanes, arguments.rtl, arguments.build, arguments.jobs, arguments.weights)
     text, figure = tables(results), picture(results)
     print(text)
     save_figure(figure, arguments.build / "synth" / "synthesis.png")

@@ -14,13 +14,14 @@ from gravcomp.robot.machine import load_machine
 from gravcomp.twin.bounds import fixed_point_error_mn
 from gravcomp_lab.peers.jitter import PERCENTILES, Timing
 from gravcomp_lab.peers.measure import Row
+from gravcomp_lab.shipped import SPHEIRO
 
 LANES = {1, 4, 20}
 
 
 def core_rows(build: Path, error: float = math.nan) -> dict[int, Row]:
-    """Those of the core with 1, 4 and 20 lanes that build/synth/synth.json has; InputError when it has none."""
-    path = build / "synth" / "synth.json"
+    """Those of the shipped core with 1, 4 and 20 lanes that `make synth` left; InputError when there are none."""
+    path = build / "synth" / SPHEIRO.name / "synth.json"
     try:
         rows = {result["lanes"]: _row(result, error) for result in json.loads(path.read_text())}
     except (OSError, ValueError, KeyError, TypeError):

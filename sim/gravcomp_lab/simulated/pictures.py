@@ -9,8 +9,8 @@ import numpy as np
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
-from gravcomp.robot.machine import Machine
-from gravcomp.robot.spheiro.robot import spheiro_of
+from gravcomp.robot.machine import EFFORT_UNITS, MAX_AXES, Machine
+from gravcomp.robot.spheiro.robot import Spheiro, spheiro_of
 from gravcomp.robot.spheiro.workspace import pose
 from gravcomp.twin import network as bittrue
 from gravcomp_lab.simulated.poses import counts_at
@@ -18,7 +18,7 @@ from gravcomp_lab.simulated.poses import counts_at
 RUN_SCOPE = "gc_force_path_bench.i_force_path"
 SIGNALS = ("pin_a", "pin_b", "sts_count", "in_valid", "out_valid", "out_force")
 SHOWN_AXIS = 1  # the fastest one of the motion
-AXIS_COLOURS = ("tab:blue", "tab:orange", "tab:green")
+AXIS_COLOURS = tuple(f"C{k}" for k in range(MAX_AXES))
 
 
 def save_figure(figure, path: Path) -> None:
@@ -26,6 +26,33 @@ def save_figure(figure, path: Path) -> None:
     image = io.BytesIO()
     figure.savefig(image, format="png", dpi=120, bbox_inches="tight")
     write_atomically(path, image.getvalue())
+
+
+def error_picture(fixed: FixedNetwork, machine: Machine):
+    """Maps of the error of the Sphe.I.Ro., of any other robot the spread of each axis' error. A Matplotlib figure."""
+    return error_maps(fixed, machine) if isinstance(machine.robot, Spheiro) else error_spread(fixed, machine)
+
+
+def error_spread(fixed: FixedNetwork, machine: Machine, n_poses: int = 8000, seed: int = 21):
+    """Error of the fixed-point core against the statics over the workspace, a histogram per axis. Returns a figure."""
+    from matplotlib.figure import Figure
+
+    counts = machine.drive.counts(machine.robot.workspace(n_poses, seed))
+    statics = machine.robot.forces(machine.drive.positions(counts))
+    error = bittrue.core(counts, fixed).force_mn / 1000.0 - statics
+    figure = Figure(figsize=(11, 2.0 * machine.n_axes), layout="constrained")
+    panels = figure.subplots(machine.n_axes, 1, squeeze=False)[:, 0]
+    for axes, own, values, axis in zip(panels, error.T, statics.T, machine.axes, strict=True):
+        axes.hist(own, bins=101)
+        rms, unit = np.sqrt(np.mean(own**2)), EFFORT_UNITS[axis.unit]
+        axes.set_title(
+            f"{axis.name}: RMS {rms:.2g} {unit} of {np.sqrt(np.mean(values**2)):.3g}, largest {np.abs(own).max():.2g}",
+            fontsize=9,
+        )
+        axes.set_yticks([])
+        axes.set_xlabel(f"error, {unit}", fontsize=8)
+    figure.suptitle(f"Error of the core against the statics, {n_poses} poses of the workspace, seed {seed}")
+    return figure
 
 
 def error_maps(fixed: FixedNetwork, machine: Machine, torsions_deg=(0.0, 15.0)):
@@ -79,26 +106,26 @@ def run_picture(vcd: Path, n_axes: int, force_bits: int):
     _plot_axes(forces, waves, "out_force", n_axes, force_bits, results[0])
     ticks = figure.add_subplot(left[2], sharex=counts, yticks=[], ylabel="results", xlabel="time, ms")
     ticks.vlines(results, 0, 1, color="black")
-    middle = results[len(results) // 2]
+    middle, shown_axis = results[len(results) // 2], min(SHOWN_AXIS, n_axes - 1)
     window = (middle - 0.25, middle + 0.05)
     for row, (name, label) in enumerate(
         [
-            ("pin_a", f"A, axis {SHOWN_AXIS + 1}"),
-            ("pin_b", f"B, axis {SHOWN_AXIS + 1}"),
+            ("pin_a", f"A, axis {shown_axis + 1}"),
+            ("pin_b", f"B, axis {shown_axis + 1}"),
             ("in_valid", "in_valid"),
             ("out_valid", "out_valid"),
         ]
     ):
-        bit = SHOWN_AXIS if name.startswith("pin") else 0
+        bit = shown_axis if name.startswith("pin") else 0
         axes = figure.add_subplot(right[row], xlim=window, ylim=(-0.2, 1.3), yticks=[0, 1], ylabel=label)
         axes.step(*waves.signal(name, lambda word, bit=bit: word >> bit & 1), where="post", color="black")
         axes.tick_params(labelbottom=False)
         if row == 0:
             axes.set_title("one inference: pins rest, counts in, forces out")
-    times, values = waves.signal("out_force", lambda word: _field(word, SHOWN_AXIS, force_bits))
+    times, values = waves.signal("out_force", lambda word: _field(word, shown_axis, force_bits))
     shown = [value for time, value in zip(times, values, strict=True) if abs(time - middle) < 1.5]
-    axes = figure.add_subplot(right[4], xlim=window, ylabel=f"force {SHOWN_AXIS + 1}, mN", xlabel="time, ms")
-    axes.step(times, values, where="post", color=AXIS_COLOURS[SHOWN_AXIS])
+    axes = figure.add_subplot(right[4], xlim=window, ylabel=f"force {shown_axis + 1}, mN", xlabel="time, ms")
+    axes.step(times, values, where="post", color=AXIS_COLOURS[shown_axis])
     axes.set_ylim(min(shown) - 10, max(shown) + 10)
     return figure
 
@@ -112,7 +139,7 @@ def _plot_axes(axes, waves, name: str, n_axes: int, bits: int, start_ms: float) 
         colour = AXIS_COLOURS[i % len(AXIS_COLOURS)]
         axes.step([start_ms, *times[first + 1 :]], change, where="post", label=f"axis {i + 1}", color=colour)
     axes.tick_params(labelbottom=False)
-    axes.legend(loc="best", ncols=n_axes)
+    axes.legend(loc="best", ncols=min(n_axes, 3))
 
 
 def _field(word: int, index: int, bits: int) -> int:

@@ -28,13 +28,14 @@ class Run:
 
 
 def error_table(run: Run, fixed: FixedNetwork, compensation: FixedCompensation, machine: Machine) -> str:
-    """Markdown table, a row per pose set: simulated forces against the bit-true model, LSB, and the statics, N.
+    """Markdown table, a row per pose set: simulated forces against the bit-true model, LSB, and the statics, N or Nm.
 
     E: error of the forces of a pose against the statics, a vector over the axes; F: the statics' forces.
     """
+    unit = machine.effort_unit
     lines = [
-        "| poses | number | against bit-true, LSB | mean of norm(E), N | RMS of E's components, N "
-        "| largest component of E, N | average of norm(E)/norm(F), % | its maximum, % |",
+        f"| poses | number | against bit-true, LSB | mean of norm(E), {unit} | RMS of E's components, {unit} "
+        f"| largest component of E, {unit} | average of norm(E)/norm(F), % | its maximum, % |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for name in dict.fromkeys(run.set_name):

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from gravcomp_lab.synthesis.survey import CREDIBLE_MHZ, PARTS, SPEEDS, Result
+from gravcomp_lab.synthesis.survey import CREDIBLE_MHZ, SPEEDS, Result
 
 _PLACED = "| lanes | part | TRELLIS_COMB | TRELLIS_FF | MULT18X18D | DP16KD | interval, latency, clocks |"
 _PLACED += " clock, speed 6 / 8, MHz | of three seeds, MHz | latency, ns | million inferences/s |"
@@ -35,7 +35,7 @@ def _placed_row(r: Result) -> str:
     capped = [f"{mhz:.0f}" + "*" * (max(r.clock_mhz[speed]) > CREDIBLE_MHZ) for speed, mhz in clocks.items()]
     columns = [
         str(r.lanes),
-        f"LFE5U-{PARTS[r.lanes].upper().replace('K', 'F')}",
+        f"LFE5U-{r.part.upper().replace('K', 'F')}",
         *(str(number) for number in used.values()),
         f"{r.interval}, {r.latency}",
         " / ".join(capped),

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp_lab.benches.core import core_run
 from gravcomp_lab.shipped import SPHEIRO
@@ -19,8 +21,8 @@ from gravcomp_lab.synthesis.yosys import Netlist, synthesise
 
 TOP = "gc_core"
 MULTIPLIER = Path("ecp5/gc_multiply_18_18.v")
-# The smallest part that holds the multipliers.
-PARTS = {1: "25k", 2: "25k", 4: "45k", 5: "45k", 10: "85k", 20: "85k"}
+# Multipliers of the parts, the smallest first.
+PARTS = {"25k": 28, "45k": 72, "85k": 156}
 TARGETS = ("ecp5", "xilinx", "gowin")
 SPEEDS = (6, 8)
 SEEDS = (1, 2, 3)
@@ -32,10 +34,12 @@ CREDIBLE_MHZ = 250.0
 class Result:
     """One number of lanes: interval and latency in clocks, cells by target, clock and slowest path by speed grade.
 
-    cells["placed"] is what nextpnr counts, with the flip-flops put at the ports; clock_mhz is by speed grade and seed.
+    part: one of PARTS. cells["placed"] is what nextpnr counts, with the flip-flops put at the ports; clock_mhz is by
+    speed grade and seed.
     """
 
     lanes: int
+    part: str
     interval: int
     latency: int
     port_flip_flops: int
@@ -48,43 +52,66 @@ class Result:
         return min(max(self.clock_mhz[speed]), CREDIBLE_MHZ)
 
 
-def survey(lanes: Sequence[int], rtl: Path, build: Path, jobs: int) -> list[Result]:
-    """Synthesise, place and route the core for each number of lanes; files go to build/synth, results also as JSON.
+def survey(lanes: Sequence[int], rtl: Path, build: Path, jobs: int, weights: Path = SPHEIRO) -> list[Result]:
+    """Synthesise, place and route the core of a machine folder for each number of lanes.
 
-    Interval and latency are measured in simulation. Raises InputError when a tool fails.
+    Files go to a folder of its name in build/synth, results also as JSON. Interval and latency are measured in
+    simulation. Raises InputError when a tool fails, or no part holds the core.
     """
-    simulated = {n: core_run(n, rtl, build, SPHEIRO) for n in lanes}
+    folder = build / "synth" / weights.name
+    sources = machine_sources(rtl, weights, folder)
+    simulated = {n: core_run(n, rtl, folder, weights, folder / "generated") for n in lanes}
     timing = {n: (run.interval, run.latency) for n, run in simulated.items()}
-    folder = build / "synth"
     cases = list(product(sorted(lanes, reverse=True), SPEEDS, SEEDS))
     n_runs = 1 + len(lanes) * len(TARGETS) + len(cases)
     with tqdm(total=n_runs, unit="run", desc="nextpnr, once") as bar, ThreadPoolExecutor(jobs) as pool:
         place_route.prepare()
         bar.update()
         todo = product(TARGETS, sorted(lanes, reverse=True))
-        netlists = dict(_finish(bar, [pool.submit(_netlist, target, n, rtl, folder) for target, n in todo]))
-        runs = [pool.submit(_place, case, netlists["ecp5", case[0]].json, folder) for case in cases]
+        mapping = rtl / MULTIPLIER
+        netlists = dict(_finish(bar, [pool.submit(_netlist, *case, sources, mapping, folder) for case in todo]))
+        parts = {n: part_of(netlists["ecp5", n]) for n in lanes}
+        runs = [pool.submit(_place, case, netlists["ecp5", case[0]], parts[case[0]], folder) for case in cases]
         placements = dict(_finish(bar, runs))
-    results = [_result(n, timing[n], netlists, placements) for n in lanes]
+    results = [_result(n, parts[n], timing[n], netlists, placements) for n in lanes]
     rows = [{**asdict(result), "quoted_mhz": {s: result.quoted_mhz(s) for s in SPEEDS}} for result in results]
     write_atomically(folder / "synth.json", json.dumps(rows, indent=1))
     return results
 
 
-def _netlist(target: str, lanes: int, rtl: Path, folder: Path) -> tuple[tuple[str, int], Netlist]:
+def machine_sources(rtl: Path, weights: Path, folder: Path) -> list[Path]:
+    """The VHDL of rtl with the ROM of a machine folder, which is written to folder/generated."""
+    sources = rtl_sources(rtl, folder / "generated")
+    write_rom(weights, folder / "generated")
+    return sources
+
+
+def part_of(netlist: Netlist) -> str:
+    """The smallest part that holds the multipliers. Raises InputError when there is none."""
+    needed = netlist.cells.get("MULT18X18D", 0)
+    for part, multipliers in PARTS.items():
+        if needed <= multipliers:
+            return part
+    raise InputError(f"{netlist.json}: {needed} multipliers, the largest part has {multipliers}; take fewer lanes")
+
+
+def _netlist(
+    target: str, lanes: int, sources: Sequence[Path], mapping: Path, folder: Path
+) -> tuple[tuple[str, int], Netlist]:
     out = folder / f"{target}-{lanes}"
-    verilog = to_verilog(rtl_sources(rtl), TOP, {"lanes_g": lanes}, out / "core.v")
+    verilog = to_verilog(sources, TOP, {"lanes_g": lanes}, out / "core.v")
     is_placed = target == "ecp5"
-    mapping = rtl / MULTIPLIER if is_placed else None
-    return (target, lanes), synthesise(verilog, TOP, target, out, mapping=mapping, registered=is_placed)
+    chosen = mapping if is_placed else None
+    return (target, lanes), synthesise(verilog, TOP, target, out, mapping=chosen, registered=is_placed)
 
 
-def _result(lanes: int, timing: tuple[int, int], netlists: dict, placements: dict) -> Result:
+def _result(lanes: int, part: str, timing: tuple[int, int], netlists: dict, placements: dict) -> Result:
     runs = {speed: [placements[lanes, speed, seed] for seed in SEEDS] for speed in SPEEDS}
     best = {speed: max(runs[speed], key=lambda run: run.clock_mhz) for speed in SPEEDS}
     cells = {target: netlists[target, lanes].cells for target in TARGETS}
     return Result(
         lanes=lanes,
+        part=part,
         interval=timing[0],
         latency=timing[1],
         port_flip_flops=netlists["ecp5", lanes].port_bits() - 1,
@@ -94,12 +121,15 @@ def _result(lanes: int, timing: tuple[int, int], netlists: dict, placements: dic
     )
 
 
-def _place(case: tuple[int, int, int], netlist: Path, folder: Path) -> tuple[tuple[int, int, int], Placement]:
+def _place(
+    case: tuple[int, int, int], netlist: Netlist, part: str, folder: Path
+) -> tuple[tuple[int, int, int], Placement]:
     lanes, speed, seed = case
-    # Routing is the limit where nine tenths of the DSP blocks are taken.
-    how = {"router": "router2", "options": ["--placer", "static"]} if lanes == 20 else {}
+    # Routing is the limit where nine tenths of the largest part's DSP blocks are taken.
+    is_full = netlist.cells.get("MULT18X18D", 0) > 0.9 * max(PARTS.values())
+    how = {"router": "router2", "options": ["--placer", "static"]} if is_full else {}
     out = folder / f"{lanes}-{speed}-{seed}"
-    return case, place_and_route(netlist, part=PARTS[lanes], speed=speed, seed=seed, out=out, **how)
+    return case, place_and_route(netlist.json, part=part, speed=speed, seed=seed, out=out, **how)
 
 
 def _finish(bar: tqdm, futures: Iterable) -> Iterable:
