@@ -12,6 +12,7 @@ from gravcomp.cli import main
 from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network, save_network
+from gravcomp.parallel import one_blas_thread, run_parallel
 from gravcomp.robot.machine import parse_machine
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces
@@ -28,8 +29,6 @@ from gravcomp.training.training import (
     effort_of_size,
     evaluate,
     mean_square_error,
-    one_blas_thread,
-    run_parallel,
     train,
     workspace_set,
 )
@@ -196,7 +195,12 @@ def test_lopsided_robot_is_trained_without_symmetry(tmp_path):
         (["--poses", "41"], "41 poses for 20 hidden neurons"),
         (["--seed", "-1"], "seed -1"),
         (["--robot", "none"], "none: no robot.toml"),
-        (["--backend", "dask"], "dask"),
+        (["--backend", "dask"], "DASK_SCHEDULER_ADDRESS is not set"),
+        (["--hidden", "8,0"], "0 hidden neurons"),
+        (["--hidden", "8,x"], "argument --hidden"),
+        (["--largest-error", "-1"], "--largest-error -1"),
+        (["--norm", "15"], "--norm 15"),
+        (["--hops", "-1"], "--hops -1"),
     ],
 )
 def test_bad_arguments_end_in_one_line_and_status_2(arguments, named, tmp_path, capfd):

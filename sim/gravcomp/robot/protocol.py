@@ -92,6 +92,15 @@ class HasRows(Protocol):
 
 
 @runtime_checkable
+class HasBoundary(Protocol):
+    """Knows where its workspace ends: there a network errs most."""
+
+    def boundary(self, n_poses: int, seed: int) -> np.ndarray:
+        """Positions (n_poses, n) drawn from the boundary of the workspace."""
+        ...
+
+
+@runtime_checkable
 class TurnsGravity(Protocol):
     """Can tell what it holds when gravity has another direction: its base is not level."""
 

@@ -70,6 +70,13 @@ class Box:
         """Positions (n_poses, n), uniform."""
         return np.random.default_rng(seed).uniform(self.low, self.high, (n_poses, len(self.low)))
 
+    def boundary(self, n_poses: int, seed: int) -> np.ndarray:
+        """Positions (n_poses, n), uniform over the faces' own coordinates, each face as often as any other."""
+        rng, q = np.random.default_rng(seed), self.sample(n_poses, seed)
+        rows, axis = np.arange(n_poses), rng.integers(len(self.low), size=n_poses)
+        q[rows, axis] = np.where(rng.random(n_poses) < 0.5, self.low[axis], self.high[axis])
+        return q
+
 
 class Poses:
     """[workspace] kind = "poses": rows of a CSV."""
@@ -80,6 +87,8 @@ class Poses:
     def sample(self, n_poses: int, seed: int) -> np.ndarray:
         """Rows (n_poses, n) in random order, again from the start when there are fewer."""
         return self.q[draw_rows(len(self.q), n_poses, seed)]
+
+    boundary = sample  # a list of poses is all that there is
 
 
 def draw_rows(n_rows: int, n_wanted: int, seed: int) -> np.ndarray:

@@ -4,10 +4,11 @@ import numpy as np
 from tqdm import tqdm
 
 from gravcomp.network.weights import Network
+from gravcomp.parallel import one_blas_thread
 from gravcomp.robot.machine import Drive
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
 from gravcomp.training.scaling import Scaling, effort_scale
-from gravcomp.training.training import RIDGE, TrainingSet, one_blas_thread, snapped
+from gravcomp.training.training import RIDGE, TrainingSet, snapped
 
 _ROUNDS, _ROUND = 10, Stop(steps=50)
 _MARGIN = 1.02  # of the efforts over those of the training poses: the bounds of the workspace lie a little beyond

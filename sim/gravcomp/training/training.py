@@ -6,17 +6,14 @@ its weights are snapped to the 18-bit codes of the hardware and the output layer
 """
 
 import hashlib
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from joblib import Parallel, delayed, parallel_config
-from threadpoolctl import threadpool_limits
-from tqdm import tqdm
 
 from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
 from gravcomp.network.weights import Network
+from gravcomp.parallel import one_blas_thread, run_parallel
 from gravcomp.robot.machine import Drive, Machine
 from gravcomp.robot.protocol import HasRows, Robot
 from gravcomp.training import POLISH_STEPS
@@ -183,41 +180,6 @@ def evaluate(network: Network, data: TrainingSet, unseen: TrainingSet, activatio
         "max_hidden_weight": float(np.abs(network.hidden_weights).max()),
         "max_output_weight": float(np.abs(network.output_weights).max()),
     }
-
-
-def run_parallel(function: Callable, arguments: list[tuple], backend: str, title: str) -> list:
-    """[function(*a) for a in arguments] over all cores through joblib, with a progress bar.
-
-    backend: loky (processes), threading, or dask (the cluster of the current or configured client, see
-    joblib.parallel_config). Raises InputError when the backend cannot start.
-    """
-    with tqdm(total=len(arguments), desc=title) as bar:
-        try:
-            with parallel_config(backend=backend, n_jobs=-1), one_blas_thread():
-                return _ProgressParallel(bar)(delayed(_on_one_thread)(function, a) for a in arguments)
-        except ValueError as error:
-            if backend == "dask":
-                raise InputError(f"dask backend: {str(error).splitlines()[0]}") from error
-            raise
-
-
-def one_blas_thread():
-    """Context in which BLAS keeps to one thread: on matrices this small more threads cost time, and change rounding."""
-    return threadpool_limits(limits=1, user_api="blas")
-
-
-def _on_one_thread(function: Callable, arguments: tuple):
-    with one_blas_thread():
-        return function(*arguments)
-
-
-class _ProgressParallel(Parallel):
-    def __init__(self, bar: tqdm):
-        super().__init__()
-        self.bar = bar
-
-    def print_progress(self):
-        self.bar.update(self.n_completed_tasks - self.bar.n)
 
 
 def _problem(x, y, n_hidden: int, activation: str, symmetric: bool) -> Problem:

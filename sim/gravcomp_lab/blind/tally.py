@@ -6,7 +6,6 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-import joblib
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -14,6 +13,7 @@ from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
 from gravcomp.diagnosis.effects import NAMES
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.report.report import report
+from gravcomp.parallel import run_parallel
 from gravcomp.prototype.imperfections import UNLISTED
 from gravcomp_lab.blind import from_model, from_prototype
 
@@ -101,23 +101,20 @@ def _rms(x: np.ndarray) -> float:
 
 
 def run_all(sets: int, prototype_sets: int, arm_sets: int, first_seed: int, folder: Path, jobs: int,
-            watch=lambda items, total: items) -> list[Outcome]:  # fmt: skip
+            backend: str = "loky") -> list[Outcome]:  # fmt: skip
     """Outcomes of ``sets`` seeds of each kind from the model, ``prototype_sets`` from the prototype of the Sphe.I.Ro.,
     ``arm_sets`` from that of each of ARMS.
     """
-    tasks = [joblib.delayed(run_model_case)(kind, first_seed + k) for kind in from_model.CASES for k in range(sets)]
-    tasks += [
-        joblib.delayed(run_prototype_case)(folder, kind, first_seed + k)
-        for k in range(prototype_sets)
-        for kind in from_model.CASES
-    ]
-    tasks += [
-        joblib.delayed(run_prototype_case)(folder, kind, first_seed + k, arm)
-        for arm in ARMS
-        for k in range(arm_sets)
-        for kind in from_model.CASES
-    ]
-    return list(watch(joblib.Parallel(n_jobs=jobs, return_as="generator")(tasks), len(tasks)))
+    model = [(kind, first_seed + k) for kind in from_model.CASES for k in range(sets)]
+    seeds = [(kind, first_seed + k) for k in range(prototype_sets) for kind in from_model.CASES]
+    prototype = [(folder, kind, seed) for kind, seed in seeds]
+    arms = [(folder, kind, first_seed + k, arm) for arm in ARMS for k in range(arm_sets) for kind in from_model.CASES]
+    tasks = [(run_model_case, case) for case in model] + [(run_prototype_case, case) for case in prototype + arms]
+    return run_parallel(_call, tasks, backend, "blind", jobs, delay_s=2.0)
+
+
+def _call(function, case: tuple) -> Outcome:
+    return function(*case)
 
 
 def summary(outcomes: list[Outcome]) -> list[tuple[str, float, str, int]]:

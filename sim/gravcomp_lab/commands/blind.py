@@ -5,9 +5,8 @@ Data come from the analytic model and from the virtual prototype, whose logs sta
 
 from pathlib import Path
 
-from tqdm import tqdm
-
 from gravcomp.files import write_all_atomically
+from gravcomp.training import BACKENDS
 from gravcomp_lab.blind import seed_of_commit, tally
 
 
@@ -18,14 +17,14 @@ def add_arguments(parser):
     parser.add_argument("--first-seed", type=int, help="first seed (default: the commit's hash, first 7 digits)")
     parser.add_argument("--work", type=Path, default=Path("build/blind"), help="folder for the prototype's logs")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
+    parser.add_argument("--backend", choices=BACKENDS, default="loky", help="of joblib (default %(default)s)")
     parser.add_argument("--docs", type=Path, help="folder for blind.md and figures/blind_*.png")
 
 
 def run(arguments):
     first_seed = seed_of_commit() if arguments.first_seed is None else arguments.first_seed
-    watch = lambda items, total: tqdm(items, total=total, desc="blind", delay=2)  # noqa: E731
     outcomes = tally.run_all(arguments.sets, arguments.prototype_sets, arguments.arm_sets, first_seed, arguments.work,
-                             arguments.jobs, watch)  # fmt: skip
+                             arguments.jobs, arguments.backend)  # fmt: skip
     by_source = {source: [o for o in outcomes if o.source == source] for source in tally.SOURCES}
     for source, own in by_source.items():
         print(f"data of {source}, seeds from {first_seed} on")

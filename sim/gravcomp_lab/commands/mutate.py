@@ -8,6 +8,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from gravcomp.files import write_atomically
+from gravcomp.parallel import WHERE
 from gravcomp_lab.mutation import campaign
 from gravcomp_lab.mutation.trial import Outcome
 from gravcomp_lab.mutation.verdicts import Verdicts
@@ -19,6 +20,7 @@ def add_arguments(parser):
     parser.add_argument("--seed", type=int, default=1, help="of the draw (default 1)")
     parser.add_argument("--entity", action="append", default=[], help="try only this one; may be given several times")
     parser.add_argument("--jobs", type=int, default=2, help="mutants at a time (default 2)")
+    parser.add_argument("--backend", choices=WHERE, default=WHERE[0], help="where they are tried (default %(default)s)")
     parser.add_argument("--out", type=Path, default=Path("build/mutation"), help="folder of the baseline's simulations")
     parser.add_argument(
         "--verdicts", type=Path, default=Path("docs/measured/mutation.csv"), help="table of what became of each fault"
@@ -42,7 +44,7 @@ def run(arguments):
         def tell(outcome: Outcome) -> None:
             bar.update()
 
-        outcomes = campaign.run(root, planned, arguments.jobs, verdicts, tell)
+        outcomes = campaign.run(root, planned, arguments.jobs, verdicts, tell, arguments.backend)
     equivalent = campaign.reasons(root / "tb" / "equivalent_mutants.toml")
     table = campaign.markdown(outcomes, equivalent, arguments.seed)
     print(table)

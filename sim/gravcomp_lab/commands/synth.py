@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from gravcomp.errors import InputError
+from gravcomp.parallel import WHERE
 from gravcomp_lab.benches.core import distinct_lanes
 from gravcomp_lab.pages import renew
 from gravcomp_lab.shipped import SPHEIRO
@@ -18,6 +19,7 @@ def add_arguments(parser):
     parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
     parser.add_argument("--build", type=Path, default=Path("build"), help="folder of simulations and of results")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
+    parser.add_argument("--backend", choices=WHERE, default=WHERE[0], help="where runs are (default %(default)s)")
     parser.add_argument("--docs", type=Path, help="folder whose synthesis.md and picture are to be renewed")
 
 
@@ -25,7 +27,7 @@ def run(arguments):
     if arguments.jobs < 1:
         raise InputError(f"--jobs {arguments.jobs}: need one or more")
     lanes = distinct_lanes(arguments.lanes)
-    results = survey(lanes, arguments.rtl, arguments.build, arguments.jobs, arguments.weights)
+    results = survey(lanes, arguments.rtl, arguments.build, arguments.jobs, arguments.weights, arguments.backend)
     text, figure = tables(results), picture(results)
     print(text)
     save_figure(figure, arguments.build / "synth" / "synthesis.png")

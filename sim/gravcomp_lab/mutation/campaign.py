@@ -3,10 +3,11 @@
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from pathlib import Path
 
 from gravcomp.errors import InputError
+from gravcomp.parallel import executor
 from gravcomp_lab.mutation import equivalence
 from gravcomp_lab.mutation.mutants import Mutant, draw
 from gravcomp_lab.mutation.trial import (
@@ -83,13 +84,14 @@ def run(
     jobs: int,
     verdicts: Verdicts,
     on_outcome: Callable[[Outcome], None],
+    backend: str = "threading",
 ) -> list[Outcome]:
     """Try the mutants of each entity until its share compiled, but those whose verdict still holds; on_outcome sees
     each one that compiled. Test files that caught faults of the entity, just now too, come first.
     """
     tests = {entity: relevant_tests(entity, root / "rtl", root / "tb") for entity in planned}
     outcomes, every = [], []
-    with ThreadPoolExecutor(jobs) as pool, tempfile.TemporaryDirectory(prefix="originals-") as folder:
+    with executor(backend, jobs) as pool, tempfile.TemporaryDirectory(prefix="originals-") as folder:
         if to_try(planned, verdicts):
             equivalence.write_originals(root / "rtl", Path(folder))
 

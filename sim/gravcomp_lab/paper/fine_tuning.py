@@ -10,8 +10,8 @@ import numpy as np
 
 from gravcomp.network.activation import gamma
 from gravcomp.network.weights import Network
+from gravcomp.parallel import one_blas_thread
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Point, Problem
-from gravcomp.training.training import one_blas_thread
 
 WAYS = ("output layer", "all weights")
 RIDGES = tuple(10.0**k for k in range(-4, 5))

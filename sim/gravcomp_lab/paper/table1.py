@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gravcomp.parallel import run_parallel
 from gravcomp.robot.machine import Machine
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
 from gravcomp.training.scaling import workspace_scaling
 from gravcomp.training.search import random_hidden
-from gravcomp.training.training import RIDGE, TrainingSet, as_network, mean_square_error, run_parallel
+from gravcomp.training.training import RIDGE, TrainingSet, as_network, mean_square_error
 
 GRADIENT_THRESHOLD = 0.009
 # Neurons: gradient at the stop and mean square error, as printed in the paper. It gives no unit for either.

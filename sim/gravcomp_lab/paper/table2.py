@@ -13,10 +13,10 @@ from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
 from gravcomp.diagnosis.model import Model
 from gravcomp.logs.measurement import Measurement
 from gravcomp.network.weights import Network
+from gravcomp.parallel import one_blas_thread
 from gravcomp.robot.machine import Machine
 from gravcomp.robot.spheiro.robot import spheiro_of
 from gravcomp.robot.spheiro.workspace import sample_workspace
-from gravcomp.training.training import one_blas_thread
 from gravcomp_lab.paper.field import APPROACHES, hold_field, move_field, true_forces
 from gravcomp_lab.paper.field_core import FieldCore, build_core
 from gravcomp_lab.paper.fine_tuning import WAYS, Tuned, tune_by_validation

@@ -22,9 +22,10 @@ from gravcomp.errors import InputError
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
 from gravcomp.network.weights import Network
+from gravcomp.parallel import one_blas_thread
 from gravcomp.robot.machine import Machine
 from gravcomp.training.search import random_hidden
-from gravcomp.training.training import Effort, one_blas_thread, train, workspace_set
+from gravcomp.training.training import Effort, train, workspace_set
 from gravcomp_lab.paper.field_core import FieldCore, build_core
 from gravcomp_lab.paper.fine_tuning import fine_tune, tune_by_validation
 from gravcomp_lab.paper.table2 import ANALYTIC, FIELD, PAPER, SIMULATION

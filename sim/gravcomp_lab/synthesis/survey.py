@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
@@ -12,6 +12,7 @@ from tqdm import tqdm
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
+from gravcomp.parallel import executor
 from gravcomp_lab.benches.core import core_run
 from gravcomp_lab.shipped import SPHEIRO
 from gravcomp_lab.synthesis import place_route
@@ -52,11 +53,14 @@ class Result:
         return min(max(self.clock_mhz[speed]), CREDIBLE_MHZ)
 
 
-def survey(lanes: Sequence[int], rtl: Path, build: Path, jobs: int, weights: Path = SPHEIRO) -> list[Result]:
+def survey(
+    lanes: Sequence[int], rtl: Path, build: Path, jobs: int, weights: Path = SPHEIRO, backend: str = "threading"
+) -> list[Result]:
     """Synthesise, place and route the core of a machine folder for each number of lanes.
 
     Files go to a folder of its name in build/synth, results also as JSON. Interval and latency are measured in
-    simulation. Raises InputError when a tool fails, or no part holds the core.
+    simulation. backend: of gravcomp.parallel; a cluster's workers see rtl and build under the same paths. Raises
+    InputError when a tool fails, or no part holds the core.
     """
     folder = build / "synth" / weights.name
     sources = machine_sources(rtl, weights, folder)
@@ -64,7 +68,7 @@ def survey(lanes: Sequence[int], rtl: Path, build: Path, jobs: int, weights: Pat
     timing = {n: (run.interval, run.latency) for n, run in simulated.items()}
     cases = list(product(sorted(lanes, reverse=True), SPEEDS, SEEDS))
     n_runs = 1 + len(lanes) * len(TARGETS) + len(cases)
-    with tqdm(total=n_runs, unit="run", desc="nextpnr, once") as bar, ThreadPoolExecutor(jobs) as pool:
+    with tqdm(total=n_runs, unit="run", desc="nextpnr, once") as bar, executor(backend, jobs) as pool:
         place_route.prepare()
         bar.update()
         todo = product(TARGETS, sorted(lanes, reverse=True))

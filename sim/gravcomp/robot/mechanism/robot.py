@@ -76,6 +76,10 @@ class Mechanism:
         """Positions (n_poses, n) of the box of the axes' ranges, or rows of the CSV of poses."""
         return self.area.sample(n_poses, seed)
 
+    def boundary(self, n_poses: int, seed: int) -> np.ndarray:
+        """Positions (n_poses, n) with one axis at an end of its range; of a list of poses any."""
+        return self.area.boundary(n_poses, seed)
+
     @property
     def ranges(self) -> tuple[np.ndarray, np.ndarray]:
         return self.area.low, self.area.high

@@ -19,7 +19,7 @@ from gravcomp.robot.spheiro.kinematics import (
 from gravcomp.robot.spheiro.parameters import RobotParameters, parameters_from_table
 from gravcomp.robot.spheiro.reactions import slide_reactions
 from gravcomp.robot.spheiro.statics import forces_from_axes, holding_forces, holding_forces_at
-from gravcomp.robot.spheiro.workspace import pose, sample_workspace
+from gravcomp.robot.spheiro.workspace import pose, sample_boundary, sample_workspace
 
 # Bounds come from a grid and are rounded outward to these; a bound between
 # two grid points is less than 0.01 mm and 0.05 N beyond them.
@@ -44,6 +44,10 @@ class Spheiro:
     def workspace(self, n_poses: int, seed: int) -> np.ndarray:
         """Positions (n_poses, 3), m, of poses whose azimuth, tilt and torsion are uniform."""
         return inverse_kinematics(sample_workspace(n_poses, self.parameters, seed), self.parameters)
+
+    def boundary(self, n_poses: int, seed: int) -> np.ndarray:
+        """Positions (n_poses, 3), m, of poses with the largest tilt or torsion."""
+        return inverse_kinematics(sample_boundary(n_poses, self.parameters, seed), self.parameters)
 
     @cached_property
     def bounds(self) -> Bounds:
