@@ -19,6 +19,7 @@ SLOW = (
 FILTERED, UNFILTERED = "quad_decoder-filter_samples_g4", "quad_decoder-filter_samples_g0-speed_timeout_g20"
 
 WATCH, INDEX = next(name for name in BY_NAME if name.startswith("edge_watch")), "index_check-mark_clocks_g20"
+ONE_SIGN = "pwm-clocks_g6-dead_g2-two_pins_gfalse"
 
 # claim, file, VHDL, fault, assertion that must break
 PLANTED = [
@@ -71,6 +72,9 @@ PLANTED = [
      "none_lost"),
     ("valid_pipeline-lanes_g20", "gc_core", "in_ready <= since(0);", "in_ready <= since(0) and not x_valid;",
      "always_ready"),
+    (ONE_SIGN, "gc_pwm", "if wave = '0' and quiet = dead_g then", "if quiet = dead_g then", "sign_changes_in_silence"),
+    (ONE_SIGN, "gc_pwm", "negative <= wanted;\n          rest <= dead_g;", "negative <= wanted;",
+     "silence_after_the_change"),
     ("output_sums-lanes_g1", "gc_output_layer", "acc(high_c downto low_c) + tree", "acc(high_c downto low_c) - tree",
      "no_sum_overflows"),
     ("output_sums-lanes_g4", "gc_adder_tree", "node(2 * k) + node(2 * k + 1)", "node(2 * k) - node(2 * k + 1)",

@@ -218,6 +218,50 @@ PLANTED = [
     ("drive", "gc_drive", [
         ("target_2 <= ceiling;", "target_2 <= asked_1;", "command_never_leaves_the_limits_given"),
     ]),
+    ("servo", "gc_servo", [
+        ("        correction <= (others => (others => '0'));\n", "", "stop_is_zero_one_clock_later"),
+        ("correction(axis) <= ceiling(axis);", "correction(axis) <= whole_v(31 downto 0);",
+         "correction_never_exceeds_its_limit"),
+        ("out_valid <= feed_valid;", "out_valid <= feed_valid or in_valid;", "feed_forward_is_answered"),
+        ("        out_valid <= '0';\n        out_current <= (others => '0');", "        out_valid <= '0';",
+         "reset_clears"),
+    ]),
+    ("servo", "gc_servo", [
+        ("saturate(sum_v, 32)", "sum_v(31 downto 0)", "sum_is_exact_or_saturated"),
+        ("      if feed_valid = '1' then", "      if feed_valid = '1' or in_valid = '1' then", "command_holds_between"),
+    ]),
+    ("setpoint", "gc_setpoint", [
+        ("setpoint(i) <= in_count(", "setpoint(i) <= not in_count(", "stopped_follows_the_count"),
+        ("move_ready <= run when", "move_ready <= '1' when", "nothing_is_taken_while_stopped"),
+        ("        state <= divide;\n", "", "a_move_taken_is_under_way"),
+        ("        start <= setpoint;\n", "        start <= setpoint;\n        setpoint(0) <= start(0);\n",
+         "at_rest_it_stays"),
+    ]),
+    ("setpoint", "gc_setpoint", [
+        # a division of one bit: the run that breaks it is short
+        ("if bits_left = 0 then", "if bits_left /= 0 then", "each_tick_moves_once_at_most"),
+        ("if state = awaiting and in_valid = '1' then", "if state = awaiting then", "each_tick_moves_once_at_most"),
+    ]),
+    ("recorder", "gc_recorder", [
+        ("newest <= newest + words_c;", "newest <= newest + words_c + 1;", "places_follow_the_records"),
+        ("if mode /= free_c then\n", "if mode = free_c then\n", "only_free_running_loses"),
+    ]),
+    ("recorder", "gc_recorder", [
+        ("elsif records = capacity_c or records >= before then", "elsif records >= before then",
+         "kept_words_are_never_overwritten"),
+        ("mode /= off_c and done = '0'", "mode /= off_c", "off_and_done_record_nothing"),
+        ("            keep <= '0';\n            if mode", "            if mode", "never_more_than_fit"),
+    ]),
+    ("recorder", "gc_recorder", [
+        ("records_v := records_v + 1;", "records_v := records_v + 2;", "one_at_a_time"),
+    ]),
+    ("pwm", "gc_pwm", [
+        ("elsif position < high and enable = '1' then", "elsif position < high then", "stop_is_low_one_clock_later"),
+        ("else wave and negative;", "else wave;", "never_both_pins"),
+    ]),
+    ("pwm", "gc_pwm", [
+        ("if wave = '0' and quiet = dead_g then", "if quiet = dead_g then", "signs_are_apart"),
+    ]),
     ("tick", "gc_tick", [
         ("elapsed >= cfg_clocks", "elapsed > cfg_clocks", "none_left_out"),
         ("out_valid = '1' and in_ready = '0'", "in_ready = '0'", "missed_ticks_are_counted"),

@@ -126,7 +126,7 @@ begin
       if rest /= 0 then
         rest <= rest - 1;
       elsif wanted /= negative then
-        if quiet = dead_g then
+        if wave = '0' and quiet = dead_g then
           negative <= wanted;
           rest <= dead_g;
         end if;

@@ -362,6 +362,8 @@ begin
       if rst = '1' then
         mode <= off_c;
         valid <= (others => '0');
+        oldest <= (others => '0');
+        newest <= (others => '0');
         records <= 0;
         lost <= (others => '0');
         triggered <= '0';

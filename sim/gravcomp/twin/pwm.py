@@ -25,7 +25,7 @@ def pwm(
         position = k % clocks
         new_wave = int(position < high and enable[k] and not rest and wanted == negative)
         new_negative, new_rest = negative, max(0, rest - 1)
-        if not rest and wanted != negative and quiet == dead:
+        if not rest and wanted != negative and not wave and quiet == dead:
             new_negative, new_rest = wanted, dead
         quiet = 0 if wave else min(dead, quiet + 1)
         if position == clocks - 1:

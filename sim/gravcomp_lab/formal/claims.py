@@ -79,6 +79,13 @@ CLAIMS = (
     Claim("brakes", "gc_brakes", dict.fromkeys(("two_paths_g", "feedback_g", "test_g", "guard_g"), "true"), STATES),
     *(Claim("drive", "gc_drive", axis=axis, induction=1) for axis in range(3)),
     Claim("tick", "gc_tick"),
+    Claim("setpoint", "gc_setpoint", {"axes_g": 1}),
+    Claim("servo", "gc_servo", {"axes_g": 1}, induction=1),
+    Claim("recorder", "gc_recorder", {"axes_g": 1, "address_bits_g": 4}),
+    *(
+        Claim("pwm", "gc_pwm", {"clocks_g": 6, "dead_g": 2, "two_pins_g": two}, {"DEAD": 2, "TWO": int(two == "true")})
+        for two in ("false", "true")
+    ),
     Claim("speed_meter", "gc_speed_meter", {"timeout_g": 5}, {"TIMEOUT": 5, "BITS": 5}),
     *(Claim("crossing_pulse", "gc_crossing_pulse", {"stages_g": n}, {"STAGES": n}, free_clocks=True) for n in (2, 3)),
     *(Claim("crossing_bus", "gc_crossing_bus", {"stages_g": n}, {"STAGES": n}, free_clocks=True) for n in (2, 3)),
