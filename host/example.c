@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Load an image of `gravcomp image`, home the robot, release its brakes, print positions in counts, efforts in N or Nm and
- * currents of a number of results.
+ * Load an image of `gravcomp image`, home the robot, release its brakes, print positions in counts, efforts in N or Nm
+ * and currents of a number of results.
  *
  * On a processor with the registers at BASE:   example FILE, or without a file for the weights of the ROM.
  * gravcomp_machine.h is written by `make rom` beside the ROM (rtl/generated).

@@ -183,7 +183,8 @@ const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp
     if (is_bad_period(identity, settings)) {
         return "index_period: not a multiple of 4";
     }
-    ramp = results_of_ramp(identity, settings) * clocks(identity, settings->tick_us) + clocks(identity, settings->brake_us);
+    ramp = results_of_ramp(identity, settings) * clocks(identity, settings->tick_us);
+    ramp += clocks(identity, settings->brake_us);
     if (test > 0) {
         ramp += 4 * identity->axes * (test + 2) + 1;
     }

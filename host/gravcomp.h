@@ -2,8 +2,8 @@
  *
  * Driver of gc_system: C99, no calls of an operating system, no memory but the caller's.
  *
- * Offsets are bytes from the base of the registers. For cores of 1 to 8 axes: arrays hold axis 1 first, sets of axes have it
- * in bit 0, and what is there for axes that the core lacks is not looked at. Not for use from two threads at once.
+ * Offsets are bytes from the base of the registers. For cores of 1 to 8 axes: arrays hold axis 1 first, sets of axes have
+ * it in bit 0, and what is there for axes that the core lacks is not looked at. Not for use from two threads at once.
  */
 #ifndef GRAVCOMP_H
 #define GRAVCOMP_H
@@ -93,7 +93,7 @@ typedef struct {
     uint8_t deviates;                             /* axes: command is beyond command_bound_ua */
     int32_t position[GRAVCOMP_MAX_AXES];          /* counts that the result comes from */
     int32_t speed_period[GRAVCOMP_MAX_AXES];      /* clocks per four counts there, negative downwards */
-    int32_t force_mn[GRAVCOMP_MAX_AXES];      /* of a rotary axis mNm */
+    int32_t force_mn[GRAVCOMP_MAX_AXES];          /* of a rotary axis mNm */
     int32_t current_ua[GRAVCOMP_MAX_AXES];        /* asked for */
     int32_t command_ua[GRAVCOMP_MAX_AXES];        /* as the drives get it */
     int32_t position_now[GRAVCOMP_MAX_AXES];      /* counts */
@@ -106,9 +106,9 @@ typedef struct {
 /* Check that the core is there and read who it is. */
 gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identity);
 
-/* Why the brakes could never be released with these settings, in a line; NULL when they can. The slew must take each command
- * from zero to its current_limit_ua, a tick per step and one more, and leave brake_us and four times brake_test_us per axis,
- * within hold_us. */
+/* Why the brakes could never be released with these settings, in a line; NULL when they can. The slew must take each
+ * command from zero to its current_limit_ua, a tick per step and one more, and leave brake_us and four times brake_test_us
+ * per axis, within hold_us. */
 const char *gravcomp_complaint(const gravcomp_identity *identity, const gravcomp_settings *settings);
 
 /* Write limits and times; those of speed and time become clocks, rounded down. Nothing where it refuses them. */
