@@ -118,8 +118,8 @@ def _read_log(path: Path, units: Mapping) -> tuple[_Log, list[str]]:
 def _numbers(path: Path, text: TextTable, name: str, cells: tuple[str, ...]) -> np.ndarray:
     """Values (n,) of a column, NaN where a cell has none. Raises InputError for a cell that is no number."""
     values = pd.to_numeric(pd.Series(cells), errors="coerce").to_numpy(dtype=float, copy=True)
-    missing = np.array([is_missing(cell) for cell in cells])
-    values[missing] = np.nan
+    missing = np.isnan(values)  # no mark of a missing value is a number
+    missing[missing] = [is_missing(cells[k]) for k in np.flatnonzero(missing)]
     bad = ~missing & ~(np.abs(values) < (1e20 if name.startswith("t_") else _LARGEST))
     if bad.any():
         k = int(np.argmax(bad))

@@ -4,6 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_function, needs_velocity
+from gravcomp.diagnosis.running import after_clips
 
 
 class Backlash(Effect):
@@ -60,9 +61,6 @@ def _side(data, parameters) -> np.ndarray:
 def _crossing(data, axis: int, travel: float) -> np.ndarray:
     """z along time, the play operator: dz = 2 dq/travel within -1..1. Holds were approached over more than the gap."""
     step = 2.0 * np.diff(data.q[:, axis], prepend=data.q[0, axis]) / max(travel, 1e-12)
-    z, moving, hold = np.empty(len(step)), data.is_motion & ~data.is_first, data.direction[:, axis]
-    state = float(hold[0])
-    for k, change in enumerate(step.tolist()):
-        state = min(max(state + change, -1.0), 1.0) if moving[k] else hold[k]
-        z[k] = state
-    return z
+    moving, hold = data.is_motion & ~data.is_first, data.direction[:, axis]
+    shift, low, high = np.where(moving, step, 0.0), np.where(moving, -1.0, hold), np.where(moving, 1.0, hold)
+    return after_clips(float(hold[0]), shift, low, high)

@@ -4,6 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, on_axis, per_axis
 from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.diagnosis.running import after_lines
 
 
 class PreslidingHysteresis(Effect):
@@ -45,9 +46,6 @@ def _state(data, axis: int, travel: float) -> np.ndarray:
     step = np.diff(data.q[:, axis], prepend=data.q[0, axis])
     keep = np.exp(-np.abs(step) / max(travel, 1e-12))
     target = np.sign(step)
-    z, moving, hold = np.empty(len(step)), data.is_motion & ~data.is_first, data.direction[:, axis]
-    state = float(hold[0])
-    for k in range(len(step)):
-        state = target[k] + (state - target[k]) * keep[k] if moving[k] else hold[k]
-        z[k] = state
-    return z
+    moving, hold = data.is_motion & ~data.is_first, data.direction[:, axis]
+    gain = np.where(moving, keep, 0.0)
+    return after_lines(float(hold[0]), gain, np.where(moving, target * (1.0 - keep), hold))
