@@ -60,6 +60,27 @@ def test_physics_stays_the_whole_story_without_a_weak_name_only_where_it_misses_
     assert certain_of(effect, 2.0, weak=0.5) == ({"named", "nameless"}, is_whole)
 
 
+class ByAxis(Named):
+    name, is_by_axis = "by axis", True
+
+
+def test_name_is_asked_on_each_axis_by_itself():
+    """1 and 4 times the noise; on axis 1 three times the noise has no name, on axis 2 nothing has none."""
+    rng = np.random.default_rng(8)
+    own, unknown, noise = (rng.standard_normal((N, size)) for size in (2, 1, 2))
+    force = NOISE * (own * [1.0, 4.0] + np.c_[3.0 * unknown, 0.0 * unknown] + noise)
+    labels = (Parameter("x", 0), Parameter("x", 1))
+    zero = np.zeros((N, 1))
+    terms = [
+        Regressor(Term(ByAxis(), labels), (np.c_[own[:, :1], zero], np.c_[zero, own[:, 1:]])),
+        Regressor(Term(Nameless(), (Parameter("y"),)), (unknown, None)),
+    ]
+    gram = Gram(terms, force, np.ones((N, 2)), np.full(2, NOISE**2), np.full(2, float(N)))
+    criterion = Criterion([own.term for own in terms], gram, 1, {})
+    choice = certain(criterion, Choice(frozenset({0, 1}), False), np.full(2, NOISE))
+    assert {criterion.terms[k].labels for k in criterion.effects_of(choice.members)} == {labels[1:]}
+
+
 class Simple(Candidate):
     name, price, is_simple = "simple", 8.0, True
 

@@ -101,6 +101,7 @@ class Candidate:
     limits: Mapping[str, float] = {}
     is_simple = False  # two of these together may stand for another
     is_scanned = False  # sought by a scan of what is left
+    is_by_axis = False  # an effect of each axis by itself
     is_of_own_position = False  # on each axis a function of its position alone
 
     def columns(self, data: Measurement, shape: Mapping) -> dict[Parameter, np.ndarray]:

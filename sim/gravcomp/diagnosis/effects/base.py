@@ -30,6 +30,10 @@ class Effect(Candidate):
     complexity = 0.0  # added to the criterion: of two equal explanations the usual one is named
 
     @property
+    def is_by_axis(self) -> bool:
+        return self.per_axis and not self.shared
+
+    @property
     def is_of_own_position(self) -> bool:
         return self.per_axis and self.driver == "q"
 

@@ -40,13 +40,14 @@ class Criterion:
 
     def left(self, members: Members) -> float:
         """Residual sum of squares over the axes."""
-        return float(self._left_by_axis(members).sum())
+        return float(self.left_by_axis(members).sum())
 
     def left_in_noise(self, members: Members) -> float:
         """The same with each axis in units of its noise: a wrist counts as much as a shoulder."""
-        return float((self._left_by_axis(members) / np.maximum(self.gram.variance, TINY)).sum())
+        return float((self.left_by_axis(members) / np.maximum(self.gram.variance, TINY)).sum())
 
-    def _left_by_axis(self, members: Members) -> np.ndarray:
+    def left_by_axis(self, members: Members) -> np.ndarray:
+        """Residual sum of squares of each axis, (k,)."""
         columns = self.gram.of(self.index(members))
         return columns.left(columns.solve()[0])
 

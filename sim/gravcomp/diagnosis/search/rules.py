@@ -102,24 +102,42 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:
     """The choice without names that could imitate a part of what no name accounts for.
 
     noise (k,): what no model made. Where effects leave more than REMAINDER times that, each has to account for
-    NAMED_BESIDE times what they leave of it, beside the other effects; the weakest goes first.
+    NAMED_BESIDE times what they leave of it, beside the other effects; the weakest goes first. An effect of single axes
+    is asked on each of them: what is unknown of a shoulder is no doubt about a wrist.
     """
-    gram, members = criterion.gram, choice.members
-    floor = float(gram.independent @ np.square(noise))
+    members, floor = choice.members, criterion.gram.independent * np.square(noise)
     while effects := criterion.effects_of(members):
-        unnamed = criterion.left(effects) - floor
-        if unnamed < (REMAINDER**2 - 1.0) * floor:
+        unnamed = np.maximum(criterion.left_by_axis(effects) - floor, 0.0)
+        if unnamed.sum() < (REMAINDER**2 - 1.0) * floor.sum():
             break
-        lost = {k: criterion.left(effects - {k}) - criterion.left(effects) for k in effects}
-        weakest = min(lost, key=lost.get)
-        if lost[weakest] >= NAMED_BESIDE * unnamed:
+        doubts = [own for k in sorted(effects) for own in _doubts(criterion, effects, k, unnamed, floor)]
+        worth, k, part = min(doubts, key=lambda own: own[0], default=(np.inf, 0, None))
+        if worth >= NAMED_BESIDE:
             break
-        members = members - {weakest}
+        members = (members - {k}) | ({part} if part is not None else EMPTY)
     if members == choice.members:
         return choice
     effects = criterion.effects_of(members)
     members = climb(criterion, members, criterion.corrections, locked=effects)
     return Choice(members, choice.is_physics_whole and _is_whole(criterion, effects, members))
+
+
+def _doubts(criterion: Criterion, effects: Members, k: int, unnamed: np.ndarray, floor: np.ndarray):
+    """What effect k accounts for beside the others, in parts of what is unnamed, with the part of it that stays
+    without that (None: nothing): the whole, or axis by axis, where anything is unnamed on the axis.
+    """
+    term, own = criterion.terms[k], criterion.left(effects)
+    axes = sorted({label.axis for label in term.labels} - {None}) if term.candidate.is_by_axis else []
+    if not axes:
+        return [((criterion.left(effects - {k}) - own) / max(unnamed.sum(), TINY), k, None)]
+    out = []
+    for axis in axes:
+        kept = tuple(label for label in term.labels if label.axis != axis)
+        part = criterion.part(k, kept) if kept else None
+        fewer = (effects - {k}) | ({part} if kept else EMPTY)
+        if unnamed[axis] > (REMAINDER**2 - 1.0) * floor[axis]:
+            out.append(((criterion.left(fewer) - own) / unnamed[axis], k, part))
+    return out
 
 
 def alternatives(criterion: Criterion, choice: Choice) -> list[list[str]]:
@@ -141,6 +159,8 @@ def alternatives(criterion: Criterion, choice: Choice) -> list[list[str]]:
 def _rivals(criterion: Criterion, members: Members) -> list[tuple[int, list[tuple[int, ...]]]]:
     """By effect of the set the terms, alone or two together, that would be as good in its place, the best first."""
     own, terms, out = criterion.score(members), criterion.terms, []
+    if own >= IMPOSSIBLE:  # what is left of a set after names were withdrawn may be refused: it has no rivals then
+        return []
     for j in sorted(criterion.effects_of(members)):
         rest, name = members - {j}, terms[j].name
         rivals = [k for k in criterion.effects if terms[k].name != name and fits(criterion, rest, k)]
