@@ -19,7 +19,7 @@ from gravcomp.twin.network import core
 from gravcomp_lab.synthesis.verilog import source_of
 from runner import ROOT, RTL, rtl_sources
 
-TOPS = ("gc_force_path", "gc_system")
+TOPS = ("gc_force_path", "gc_system", "gc_serial_system")
 SOURCES = [str(path) for path in rtl_sources()]
 
 
@@ -125,7 +125,7 @@ def test_constraints_name_the_ports_and_cover_the_crossings(top, extension):
              for words in [line.replace("{", "").replace("}", "").split()]]  # fmt: skip
     clocks = {words[2] for words in lines if words[0] == "create_clock"}
     assert clocks == {name for name in bits if name.endswith("clk")}
-    pins = {name for name in bits if name.startswith(("pin_", "estop_n", "brake_fed"))}
+    pins = {k for k, way in bits.items() if way == "in" and k.startswith(("pin_", "estop_n", "brake_fed"))}
     assert {name for words in lines if words[0] == "set_false_path" for name in words[1:]} == pins
     crossings = {(a, b) for a in clocks for b in clocks if a != b}
     assert {tuple(words[1:3]) for words in lines if words[0] == "set_max_delay"} == crossings
@@ -159,7 +159,12 @@ def test_fusesoc_simulates_an_inference(count, tmp_path):
 
 
 CORE = yaml.safe_load((ROOT / "gravcomp.core").read_text().removeprefix("CAPI=2:"))
-TARGETS = [("default", "gc_force_path"), ("system", "gc_system"), ("core", "gc_core")]
+TARGETS = [
+    ("default", "gc_force_path"),
+    ("system", "gc_system"),
+    ("serial", "gc_serial_system"),
+    ("core", "gc_core"),
+]
 KINDS = {"positive": "int", "natural": "int", "integer": "int", "boolean": "bool"}
 
 
@@ -168,7 +173,8 @@ def test_fusesoc_exposes_every_generic(target):
     """With its type and no second default: what is not given is what the VHDL says."""
     top = CORE["targets"][target]["toplevel"]
     source = source_of(RTL, top) if target != "sim" else ROOT / "tb/hdl" / f"{top}.vhd"
-    generics = dict(re.findall(r"^ +(\w+_g) +: (\w+) +:=", source.read_text().partition("architecture")[0], re.M))
+    entity = source.read_text().partition("architecture")[0]
+    generics = dict(re.findall(r"^ +(\w+_g) +: (\w+)(?: range [\w ]+?)? +:=", entity, re.M))
     assert CORE["targets"][target]["parameters"] == list(generics)
     for name, kind in generics.items():
         described = {
@@ -192,7 +198,7 @@ def test_fusesoc_hands_on_every_generic(tool, target, top, tmp_path):
 
 
 @pytest.mark.parametrize("tool", ["vivado", "quartus"])
-@pytest.mark.parametrize(("target", "top"), TARGETS[:2])
+@pytest.mark.parametrize(("target", "top"), TARGETS[:3])
 def test_fusesoc_sets_up_a_project(tool, target, top, tmp_path):
     """The project's script; the vendor's tool is not run."""
     fusesoc(tmp_path, "--setup", f"--target={target}", f"--tool={tool}", "gravcomp:gravcomp:gravcomp", "--lanes_g", "5")
