@@ -4,7 +4,8 @@ WEIGHTS ?= weights/spheiro
 DATA ?= data/prototype.csv
 RUN := .venv/bin
 LAB := $(RUN)/python -m gravcomp_lab
-PYTEST := $(RUN)/python -m pytest
+# BLAS keeps to one thread: the matrices are small, and -n auto takes all cores.
+PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help

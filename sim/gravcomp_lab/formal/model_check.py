@@ -23,7 +23,7 @@ from gravcomp_lab.synthesis.yosys import run_passes
 _TO_GRAPH = (
     "proc -latches error; flatten; setundef -undriven -anyseq; cutpoint t:$mul{cuts}; {clocks}; chformal -lower; "
     "opt_clean; memory -nomap; memory_map; opt -full; dffunmap; formalff -clk2ff; setundef -undriven -anyseq; "
-    "delete -output; opt -full; techmap; aigmap; opt_clean"
+    "delete -output; opt -full; techmap; opt_clean; aigmap; opt_clean"
 )
 # Every clock of the design is the graph's, and a step of the graph a clock.
 _ONE_CLOCK = "async2sync"
