@@ -13,8 +13,8 @@ from gravcomp.network.weights import Network
 from machines import machine_folder
 from runner import BUILD
 
-N_AXES = {"slide": 1, "arm2": 2, "so101": 6, "seven": 7}
-N_HIDDEN = {"slide": 8, "arm2": 20, "so101": 40, "seven": 8}
+N_AXES = {"slide": 1, "arm2": 2, "so101": 6, "ur5": 6, "seven": 7}
+N_HIDDEN = {"slide": 8, "arm2": 20, "so101": 40, "ur5": 20, "seven": 8}
 # So that the compensator of each axis adds something: the same force map on all, over different pitches.
 COGGING = "axis,name,value\nall,a1,0.05\n" + "".join(f"{axis},pitch,{0.1 * axis:g}\n" for axis in range(1, 8))
 

@@ -9,13 +9,16 @@ import pytest
 
 from gravcomp.cli import main
 from gravcomp.core.formats import OPERAND_BITS, PHASE_BITS, SIN_COS_FRACTION, STEP_BITS, quantise
+from gravcomp.core.image import image_records, load_image
 from gravcomp.core.provenance import write_provenance
 from gravcomp.network.weights import Network, load_network, save_network
+from gravcomp.robot.machine import load_machine
 from gravcomp.training.training import Effort, train, workspace_set
 from gravcomp.twin.network import core
 from gravcomp.twin.precision import MAX_SHARE
 from gravcomp.twin.sin_cos import ERROR_LSB, HALF_BITS, PHASE_ERROR_LSB, RADIAN, REST_BITS, phase, sin_cos
 from mechanisms import body, mechanism, mjcf
+from test_py_image import Reader
 
 
 def test_sine_and_cosine_of_every_phase_are_within_the_bound():
@@ -112,12 +115,37 @@ def test_rom_holds_the_axes_that_turn_and_their_steps(tmp_path):
         assert f'b"{0:035b}_{step:035b}"' in text
 
 
+def test_trained_range_of_an_axis_that_turns_leaves_room_for_a_margin(tmp_path):
+    """Nothing is clamped there; a host adds its margin, up to as many counts again, within 32 bits."""
+    drawn_machine(tmp_path)
+    fixed = quantise(load_network(tmp_path), load_machine(tmp_path).drive)
+    assert (fixed.count_low[0], fixed.count_high[0]) == (-(2**30), 2**30)
+    assert not core(np.array([[2**31 - 1, 0], [-(2**31), 0]]), fixed).clamped[:, 0].any()
+
+
 def test_formats_cost_of_sine_and_cosine_is_told_by_their_columns(tmp_path, capsys):
     drawn_machine(tmp_path)
     assert main(["formats", "--weights", str(tmp_path)]) == 0
     told = capsys.readouterr().out
     assert re.search(r"hidden weights \| [\d.]+ \| hidden.csv row \d, (w_sin1|w_cos1|w_q2) = ", told)
     assert "| turn beside its place, rad | -102912 | 102912 | 18 | 18 |" in told
+
+
+def test_image_has_the_weights_of_sine_and_cosine_and_ends_of_each_input(tmp_path):
+    """Per neuron p = 3 weights, of two axes two outputs; the scalars of the encoders, of the inputs, of the outputs."""
+    drawn_machine(tmp_path)
+    image = load_image(tmp_path, tmp_path)
+    reader, net = Reader(image.words), image.network
+    for weights, bias in zip(net.hidden_weights, net.hidden_bias, strict=True):
+        assert reader.record(*[OPERAND_BITS] * 3, net.hidden_sum_bits) == [*weights, bias]
+    for weights in net.output_weights.T:
+        assert reader.record(*[OPERAND_BITS] * 2) == weights.tolist()
+    scalars = image_records(net, image.compensation)["scalar"][0]
+    assert [int(value) for value, _ in scalars[:6]] == [*net.count_low, *net.count_high, *net.input_scale]
+    assert [(int(value), bits) for value, bits in scalars[6:12]] == [
+        (value, OPERAND_BITS) for value in (*net.x_low, *net.x_high)
+    ]
+    assert (net.x_low[:2].tolist(), net.x_high[:2].tolist()) == ([-(2**17)] * 2, [2**17 - 1] * 2)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ def test_core_runs_the_budgeted_operations(lanes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "lanes"), [("slide", 1), ("arm2", 3), ("so101", 4), ("ur5", 1), ("ur5", 4)])
+@pytest.mark.parametrize(("name", "lanes"), [("arm2", 3), ("ur5", 1), ("ur5", 4)])
 def test_core_of_a_shipped_machine_runs_the_operations_of_the_formula(name, lanes, tmp_path):
     """p features, n neurons, m axes; sines and cosines apart; n with what pads it."""
     weights = ROOT / "weights" / name

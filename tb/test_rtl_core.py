@@ -14,6 +14,7 @@ from gravcomp_lab.benches.core import (
     OUTPUTS,
     back_to_back,  # noqa: F401, cocotb finds it here
     draw_counts,
+    flush_clocks,
     inputs_of,
 )
 from gravcomp_lab.benches.stream import start, stream
@@ -26,7 +27,8 @@ async def random_gaps(dut):
     rng = np.random.default_rng(11)
     counts = draw_counts(60, rng)
     await start(dut)
-    got = await stream(dut, inputs_of(counts), OUTPUTS, gap_probability=0.9, rng=rng, has_ready=True)
+    options = {"has_ready": True, "flush_clocks": flush_clocks()}
+    got = await stream(dut, inputs_of(counts), OUTPUTS, gap_probability=0.9, rng=rng, **options)
     assert_equal_to_model(got, counts)
     assert len(set(np.diff(got.accepted))) > 3, "the gaps did not vary"
 
@@ -62,7 +64,7 @@ async def reset_in_mid_stream(dut):
         assert dut.in_ready.value == 1
         dut.rst.value = 0
         counts = draw_counts(3, rng)
-        got = await stream(dut, inputs_of(counts), OUTPUTS, has_ready=True)
+        got = await stream(dut, inputs_of(counts), OUTPUTS, has_ready=True, flush_clocks=flush_clocks())
         assert_equal_to_model(got, counts)
 
 

@@ -262,6 +262,26 @@ PLANTED = [
     ("pwm", "gc_pwm", [
         ("if wave = '0' and quiet = dead_g then", "if quiet = dead_g then", "signs_are_apart"),
     ]),
+    ("phase", "gc_phase", [
+        ("'0' & std_ulogic_vector(in_count", "in_count(half_bits_c - 1) & std_ulogic_vector(in_count",
+         "halves_make_the_count"),
+        ("coarse_step & fine_step", "coarse_step & coarse_step", "parts_make_the_fine_step"),
+        ("in_valid  => valid_2(0),", "in_valid  => in_valid,", "none_invented"),
+    ]),
+    ("phase", "gc_phase", [
+        ("coarse_step & fine_step", "fine_step & fine_step", "parts_make_the_coarse_step"),
+        ("in_valid  => valid_2(0),", "in_valid  => '0',", "none_lost"),
+    ]),
+    ("sin_cos", "gc_sin_cos", [
+        ('("" & in_phase(rest_bits_c - 1))', '("" & in_phase(rest_bits_c))', "place_and_rest_make_the_phase"),
+        ("truncate(sum_6, 1, sum_bits_c - 1)", "truncate(sum_6, 1, operand_bits_c)", "results_are_clipped"),
+        ("valid_7 <= valid_6;", "valid_7 <= valid_5(0);", "none_invented"),
+    ]),
+    ("sin_cos", "gc_sin_cos", [
+        ("in_phase(rest_bits_c - 1 downto 0))), operand", "in_phase(rest_bits_c downto 0))), operand",
+         "rest_is_half_a_place_at_most"),
+        ("valid_6 <= valid_5(0);", "valid_6 <= '0';", "none_lost"),
+    ]),
     ("tick", "gc_tick", [
         ("elapsed >= cfg_clocks", "elapsed > cfg_clocks", "none_left_out"),
         ("out_valid = '1' and in_ready = '0'", "in_ready = '0'", "missed_ticks_are_counted"),

@@ -15,30 +15,15 @@ from machines import rtl_of
 from runner import ROOT
 from support.core import check_core
 
-UR5_LANES = (1, 2, 4, 5, 10, 20)
-
-
-def check_shipped(name: str, lanes: int, folder, tests: str) -> None:
-    weights = ROOT / "weights" / name
-    write_rom(weights, folder)
-    check_core(lanes, environment={"WEIGHTS": str(weights)}, generated=folder, label=name, tests=tests)
-
 
 @pytest.mark.slow
-@pytest.mark.parametrize("lanes", UR5_LANES)
-def test_core_of_the_ur5_equals_its_model_with_every_number_of_lanes(lanes, tmp_path):
-    check_shipped("ur5", lanes, tmp_path, r"\.(back_to_back|random_gaps|ready_at_its_interval)$")
-
-
-@pytest.mark.slow
-def test_core_of_the_ur5_forgets_what_is_under_way_at_a_reset(tmp_path):
-    check_shipped("ur5", 2, tmp_path, r"\.(back_to_back|reset_in_mid_stream)$")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "lanes"), [("slide", 1), ("arm2", 3), ("fivebar", 4), ("so101", 8)])
+@pytest.mark.parametrize(("name", "lanes"), [("fivebar", 4), ("arm2", 3), ("ur5", 8)])
 def test_core_of_a_shipped_machine_equals_its_model(name, lanes, tmp_path):
-    check_shipped(name, lanes, tmp_path, r"\.back_to_back$")
+    """Of the others, and of lanes that divide the neurons, see test_rtl_axes.py."""
+    weights = ROOT / "weights" / name
+    write_rom(weights, tmp_path)
+    options = {"generated": tmp_path, "label": name, "tests": r"\.back_to_back$"}
+    check_core(lanes, environment={"WEIGHTS": str(weights)}, **options)
 
 
 @pytest.mark.slow

@@ -546,7 +546,8 @@ async def every_limit_has_its_cause(dut):
     await system.clocks(200)
     await expect_cause(system, 0)
     await registers.write("saturation_clocks", 10)
-    await expect_cause(system, 1 << 6)
+    # An axis that turns has no end at which it is clamped.
+    await expect_cause(system, 0 if fixed.is_turning.all() else 1 << 6)
 
 
 async def expect_cause(system: System, expected: int) -> None:

@@ -7,8 +7,8 @@
 -- limit.
 -- The offset of the normalisation and the half LSBs of the two truncations are part of the hidden biases.
 -- Formats: 32-bit counts -> 18 bits, x_fraction_c. Latency: 3 clocks, or their number + 3 with one multiplier; out_x
--- holds until the next result. Overflow: cannot happen after the clamp. Illegal input: a count outside the trained range is
--- clamped and its bit of out_clamped set.
+-- holds until the next result. Overflow: cannot happen after the clamp. Illegal input: a count outside the trained
+-- range is clamped and its bit of out_clamped set.
 
 library ieee;
   use ieee.std_logic_1164.all;

@@ -2,9 +2,9 @@
 --
 -- Sine and cosine of every axis that turns: with a gc_phase and a gc_sin_cos each, or with one of either, in turn.
 --
--- Formats: 32-bit counts -> 18 bits, x_fraction_c, truncated (half LSB in the hidden biases). Latency: 14 clocks; shared
--- turns + 14, and in_valid must then stay that many axes' clocks apart. out_x holds until the next result. Overflow:
--- none, counts wrap at a turn.
+-- Formats: 32-bit counts -> 18 bits, x_fraction_c, truncated (half LSB in the hidden biases). Latency: 14 clocks, or
+-- with one way their number + 14, and in_valid must then stay that many clocks apart; out_x holds until the next
+-- result. Overflow: none, counts wrap at a turn.
 
 library ieee;
   use ieee.std_logic_1164.all;

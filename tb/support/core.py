@@ -6,6 +6,7 @@ from unittest.mock import patch
 import numpy as np
 
 from codes import fixed_network, unpack
+from gravcomp.core.cost import CoreCost
 from gravcomp.core.formats import FORCE_BITS, FixedNetwork
 from gravcomp.twin import network as bittrue
 from gravcomp_lab.benches.core import CoreRun, run_of
@@ -29,6 +30,8 @@ def assert_run_is_right(run: CoreRun, lanes: int) -> None:
         np.testing.assert_array_equal(getattr(run, name), getattr(expected, name))
     assert run.interval == lane_steps(fixed, lanes)
     assert run.latency == core_latency(fixed, lanes)
+    cost = CoreCost(fixed.n_hidden, fixed.n_inputs, fixed.n_axes, lanes)
+    assert (cost.interval, cost.latency) == (run.interval, run.latency)
 
 
 def lane_steps(fixed: FixedNetwork, lanes: int) -> int:

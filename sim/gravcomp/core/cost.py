@@ -1,15 +1,19 @@
-"""What a network costs in gc_core: operations, multipliers, clocks. Sine and cosine of axes that turn come apart."""
+"""What a network costs in gc_core: operations, multipliers, clocks. Sines and cosines cost no operations here."""
 
 from dataclasses import dataclass
 from math import ceil, log2
 
+_TURN_MULTIPLIERS = 7  # from a count to sine and cosine: gc_phase and gc_sin_cos
+_TURN_CLOCKS = 11  # what gc_turn_stage takes more than gc_input_scaler
+
 
 @dataclass(frozen=True)
 class CoreCost:
-    """Of n neurons, p inputs and m axes with so many neurons per clock.
+    """Of n neurons, p inputs and m axes with so many neurons per clock; p - m axes give sine and cosine as inputs.
 
-    multiplications and sums of an inference; multipliers of 18 by 18 bits (a product by theta = 1/4 is a shift);
-    interval and latency in clocks, from accepted counts to efforts.
+    multiplications and sums of an inference, without those that make sines and cosines; multipliers of 18 by 18 bits,
+    at most (a product by theta = 1/4 is a shift, one by a constant may be); interval and latency in clocks, from
+    accepted counts to efforts.
     """
 
     neurons: int
@@ -27,9 +31,15 @@ class CoreCost:
         return 2 * self.neurons + self.axes
 
     @property
+    def turns(self) -> int:
+        return self.inputs - self.axes
+
+    @property
     def multipliers(self) -> int:
-        scalers = 2 if self.lanes == 1 else self.inputs + self.axes
-        return self.lanes * (self.inputs + 1 + self.axes) + scalers
+        positions = self.axes - self.turns
+        scalers = min(positions, 1) + 1 if self._scalers_share else positions + self.axes
+        ways = min(self.turns, 1) if self._turns_share else self.turns
+        return self.lanes * (self.inputs + 1 + self.axes) + scalers + _TURN_MULTIPLIERS * ways
 
     @property
     def interval(self) -> int:
@@ -37,8 +47,19 @@ class CoreCost:
 
     @property
     def latency(self) -> int:
-        tree = ceil(log2(self.inputs + 1))
-        if self.lanes == self.neurons > 1:
-            return 18 + tree + ceil(log2(self.lanes + 1))
-        shared = (2 * self.axes + 2 if self.axes > 1 else 2) if self.lanes == 1 else 0
-        return 14 + tree + ceil(log2(self.lanes)) + self.interval + shared
+        is_once = self.interval == 1 < self.neurons
+        trees = ceil(log2(self.inputs + 1)) + ceil(log2(self.lanes + is_once))
+        scaler = self.axes if self._scalers_share and self.axes > 1 else 0
+        turns = _TURN_CLOCKS + (self.turns if self._turns_share and self.turns > 1 else 0)
+        stages = 14 + (3 if is_once else 2 if self.lanes == 1 else 0)
+        return stages + trees + self.interval + (turns if self.turns else scaler) + scaler
+
+    @property
+    def _scalers_share(self) -> bool:
+        """Whether one multiplier scales all positions, and one all efforts."""
+        return self.lanes == 1 and self.interval >= self.axes
+
+    @property
+    def _turns_share(self) -> bool:
+        """Whether the lanes leave a clock for each axis that turns."""
+        return self.interval >= self.turns

@@ -56,8 +56,8 @@ class FixedNetwork:
 
     inputs (n,): position or sin_cos. coarse_step, fine_step (n,): turns per 2^16 counts and per count of a sin_cos
     axis, modulo a turn, STEP_BITS fraction bits; 0 for the others.
-    count_low, count_high (n,): clamp, encoder counts; of a sin_cos axis all. count_shift (n,): bits of the count
-    dropped before scaling.
+    count_low, count_high (n,): clamp, encoder counts; of a sin_cos axis, which is not clamped, half of all, as a host
+    is told. count_shift (n,): bits of the count dropped before scaling.
     input_scale, input_scale_fraction (n,): x = count_code * input_scale >> input_scale_fraction, x_fraction bits.
     x_low, x_high (p,): lowest and highest code of x over all encoder counts.
     hidden_weights (h, p) with weight_fraction; hidden_bias (h,) with x_fraction + weight_fraction.
@@ -241,7 +241,7 @@ def _clamp(network: Network, drive: Drive, is_phase: np.ndarray, path: Path) -> 
                 f"{path}: row {row + 1}, column q_scale: the trained range is {low[row]:.0f} to {high[row]:.0f} "
                 f"encoder counts; it must hold a count and fit {COUNT_BITS} bits"
             )
-    most = 2 ** (COUNT_BITS - 1) - 1  # not the lowest count: no integer of VHDL holds it
+    most = 2 ** (COUNT_BITS - 2)  # half of all counts: a host adds its margin to what it is told
     return tuple(np.where(is_phase, all_, end).astype(np.int64) for all_, end in ((-most, low), (most, high)))
 
 

@@ -63,13 +63,18 @@ def inputs_of(counts: np.ndarray) -> list[dict[str, int]]:
     return [{"in_count": pack(row, COUNT_BITS)} for row in counts]
 
 
+def flush_clocks() -> int:
+    """Clocks in which the last result comes, with any number of lanes: one per neuron, and all pipelines."""
+    return 64 + fixed_network().n_hidden
+
+
 @cocotb.test()
 async def back_to_back(dut):
     """Counts whenever the core takes them, 40 per lane up to 200."""
     counts = draw_counts(40 * min(int(os.environ["LANES_G"]), 5), np.random.default_rng(10))
     await start(dut)
     began = time.perf_counter()
-    got = await stream(dut, inputs_of(counts), OUTPUTS, has_ready=True)
+    got = await stream(dut, inputs_of(counts), OUTPUTS, has_ready=True, flush_clocks=flush_clocks())
     clocks_per_s = (got.valid[-1] + 1) / (time.perf_counter() - began)
     hand_over(count=counts, clocks_per_s=clocks_per_s, **vars(got))
 

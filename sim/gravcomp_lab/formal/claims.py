@@ -67,6 +67,8 @@ CLAIMS = (
     *(Claim("output_sums", "gc_output_layer", {"lanes_g": n}) for n in LANES),
     Claim("input_clamp", "gc_input_scaler", {"serial_g": "false"}, {"LATENCY": 3, "PRODUCT_CLOCKS": 1}),
     Claim("input_clamp", "gc_input_scaler", {"serial_g": "true"}, {"LATENCY": 6, "PRODUCT_CLOCKS": 0}),
+    Claim("phase", "gc_phase"),
+    Claim("sin_cos", "gc_sin_cos"),
     Claim("hidden_saturation", "gc_hidden_lane"),
     Claim("output_saturation", "gc_output_scaler"),
     Claim("force_saturation", "gc_compensator", parameters={"TOTAL_BITS": FRICTION_BITS + 1}),

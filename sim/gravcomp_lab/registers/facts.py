@@ -155,7 +155,7 @@ def markdown(facts: Facts) -> str:
         "bits": _listed(table["bits"], "{0} {1}"),
         "clocks from in_valid to out_valid": _listed(table["clocks"], "`gc_{0}` {1}"),
         "sections of an image": ", ".join(table["image"]["sections"]),
-        "scalars of its last section, each per axis, and their bits": _listed(
+        "scalars of its last section, per axis, `x_` per input of the network, and their bits": _listed(
             {name: bits for name, _, bits in facts.scalars}, "`{0}` {1}"
         ),
     }
