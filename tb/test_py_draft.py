@@ -91,6 +91,17 @@ def test_joints_that_are_no_axes_are_told_to_stand(tmp_path):
     ("axes", "text", "words"),
     [
         ([], None, "not found"),
+        ([], mjcf(body("a", 'name="j" axis="0 1 0" range="-1 1"', 0.0)), "joint 'j' moves nothing that has mass"),
+        ([], mjcf(body("a", 'name="j" axis="0 1 0"', 1.0, "nan 0 0")), '<inertial> pos="nan 0 0" is not a number'),
+        (
+            ["--axes", "j"],
+            mjcf(
+                body("a", 'name="j" axis="0 1 0"', 1.0, inside='<site name="s" pos="0.3 0 0"/>')
+                + body("b", 'name="k" axis="0 1 0"', 1.0, pos="1 0 0", inside='<site name="t" pos="0.3 0 0"/>'),
+                '<equality><connect site1="s" site2="t"/></equality>',
+            ),
+            "the loops do not close at the reference pose",
+        ),
         (["--axes", "lift,wrist"], ARM, "joint 'wrist' is not known; give one of turn, lift, reach"),
         ([], mjcf("<body/>"), "no joint moves on its own"),
         (

@@ -274,6 +274,8 @@ BAD = {
         "input = 'sin_cos'; this core takes positions alone of a linear axis",
     ),
     "beyond the limits": (ONE, {"j": "low = -90"}, "low .. high = -90 .. 1 is beyond the limits of 'j', -1 .. 1 rad"),
+    "length is no number": (ONE.replace("0.1 0 0", "nan 0 0"), {"j": ""}, '<inertial> pos="nan 0 0" is not a number'),
+    "axis is no number": (ONE.replace("0 1 0", "nan 1 0"), {"j": ""}, '<joint> axis="nan 1 0" is not a number'),
     "negative mass": (ONE.replace('mass="1.0"', 'mass="-1"'), {"j": ""}, "body 'a' has mass -1 kg"),
     "unit clash": (ONE, {"j": LINEAR}, "counts_per_turn is missing; the axis moves in rad, counts_per_m is of"),
     "not XML": ("<mujoco", {"j": ""}, "not a URDF or MJCF that MuJoCo reads"),

@@ -36,6 +36,15 @@ def test_command_trains_every_size_and_shows_them(tmp_path, capsys):
     assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_sizes_that_are_no_numbers_are_one_line(tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["train", "--robot", str(SHIPPED), "--out", str(tmp_path / "out"), "--hidden", "8,x"])
+    assert ended.value.code == 2
+    message = capsys.readouterr().err
+    assert "'8,x': give whole numbers, such as 20 or 8,12,20" in message
+    assert len(message.splitlines()) == 1
+
+
 def test_network_that_is_trained_further_has_one_size(tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["train", "--from", str(SHIPPED), "--hidden", "4,6", "--out", str(out)]) == 2

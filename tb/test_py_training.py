@@ -197,7 +197,6 @@ def test_lopsided_robot_is_trained_without_symmetry(tmp_path):
         (["--robot", "none"], "none: no robot.toml"),
         (["--backend", "dask"], "DASK_SCHEDULER_ADDRESS is not set"),
         (["--hidden", "8,0"], "0 hidden neurons"),
-        (["--hidden", "8,x"], "argument --hidden"),
         (["--largest-error", "-1"], "--largest-error -1"),
         (["--norm", "15"], "--norm 15"),
         (["--hops", "-1"], "--hops -1"),

@@ -6,6 +6,7 @@ f1_nm) in place of the statics of robot.toml; a fifth of its rows is kept to tes
 --backend dask they run on the Dask cluster that DASK_SCHEDULER_ADDRESS names.
 """
 
+import argparse
 import time
 from pathlib import Path
 
@@ -53,18 +54,23 @@ def add_arguments(parser):
 
 def sizes(text: str) -> tuple[int, ...]:
     """Sizes of hidden layers as --hidden takes them."""
-    return tuple(dict.fromkeys(int(part) for part in text.split(",")))
+    try:
+        return tuple(dict.fromkeys(int(part) for part in text.split(",")))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: give whole numbers, such as 20 or 8,12,20") from None
 
 
 def run(arguments):
     from gravcomp.robot.machine import load_machine
     from gravcomp.training.samples import machine_of_samples
-    from gravcomp.training.training import training_and_test_set
+    from gravcomp.training.training import check_size, training_and_test_set
 
     _check(arguments)
     folder = arguments.robot or arguments.start
     machine = machine_of_samples(folder, arguments.data) if arguments.data else load_machine(folder)
     data, unseen = training_and_test_set(arguments.poses, machine.robot, arguments.seed)
+    for n_hidden in arguments.hidden if arguments.robot else ():
+        check_size(data, n_hidden, arguments.starts)  # of all, before the first takes its time
     if len(arguments.hidden) == 1:
         _train_one(arguments, machine, data, unseen, arguments.hidden[0], arguments.out)
         return

@@ -112,7 +112,7 @@ def train(
     Chosen by training error alone. polish: steps of the best on all poses, at most. Raises InputError for sizes below
     1, too few poses, or a backend that is absent.
     """
-    _check(data, n_hidden, n_starts)
+    check_size(data, n_hidden, n_starts)
     scaling = workspace_scaling(machine)
     x, y = scaling.x(data.q), scaling.y(data.f)
     symmetric = is_cyclic(machine.robot) and scaling.is_uniform
@@ -196,7 +196,8 @@ def _check_request(n_poses: int, seed: int) -> None:
         raise InputError(f"seed {seed} is negative; give 0 or more")
 
 
-def _check(data: TrainingSet, n_hidden: int, n_starts: int) -> None:
+def check_size(data: TrainingSet, n_hidden: int, n_starts: int) -> None:
+    """Raises InputError for sizes below 1, or too few poses."""
     for name, value in (("hidden neurons", n_hidden), ("starts", n_starts)):
         if value < 1:
             raise InputError(f"{value} {name}; give at least 1")

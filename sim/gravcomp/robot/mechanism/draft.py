@@ -7,7 +7,7 @@ from pathlib import Path
 from gravcomp.errors import InputError
 from gravcomp.robot.machine import EFFORT_UNITS, MAX_AXES
 from gravcomp.robot.mechanism.closure import driven_loops
-from gravcomp.robot.mechanism.robot import UNITS, joint_limits, last_body, zero_pose
+from gravcomp.robot.mechanism.robot import UNITS, from_table, joint_limits, last_body, zero_pose
 from gravcomp.robot.mechanism.source import compile_model, engine
 from gravcomp.robot.mechanism.tree import Tree
 from gravcomp.robot.ranges import Limits
@@ -40,15 +40,26 @@ def draft_toml(path: Path, axes: Sequence[str] = ()) -> str:
     """
     tree = Tree(compile_model(path))
     chosen = _named(tree, axes, path) if axes else _with_motor(tree, path)
+    held = [k for k in _free_joints(tree, chosen, path) if k not in chosen]
+    _check(tree, chosen, path)
     body = tree.bodies[last_body(tree, tree.model.jnt_dofadr[chosen])]
     words = {"file": path.name, "name": path.stem, "body": body}
     sections = [_HEAD.format(**{key: json.dumps(text) for key, text in words.items()})]
-    held = [k for k in _free_joints(tree, chosen, path) if k not in chosen]
     if held:
         lines = [f"{json.dumps(tree.joints[k])} = {float(zero_pose(tree)[tree.model.jnt_qposadr[k]])!r}" for k in held]
         sections.append("\n".join(["[model.held]                    # these stand still", *lines, ""]))
     sections += [_axis_toml(tree.joints[k], joint_limits(tree, k)) for k in chosen]
     return "\n".join(sections)
+
+
+def _check(tree: Tree, axes: list[int], path: Path) -> None:
+    """What the robot would be refused for, whatever the ranges. Raises InputError."""
+    entries = []
+    for joint in axes:
+        limits = joint_limits(tree, joint)
+        ends = {} if limits.range else {"low": -1.0, "high": 1.0}
+        entries.append({"joint": tree.joints[joint], **ends})
+    from_table({"model": {"file": path.name}, "axis": entries}, str(path))
 
 
 def _axis_toml(joint: str, limits: Limits) -> str:

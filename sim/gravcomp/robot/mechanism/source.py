@@ -16,6 +16,7 @@ from gravcomp.errors import InputError, optional
 
 # Below what statics see; bodies without mass would not compile.
 MASSLESS_KG = 1e-12
+_NO_NUMBERS, _NAMES = ("nan", "inf", "infinity"), ("name", "class", "childclass", "file", "mesh", "link")
 _MASS_IN_GEOMETRY = ("MESH", "HFIELD", "SDF")
 
 
@@ -37,6 +38,7 @@ def model_spec(path: Path, *, with_inertia: bool):
     mujoco.set_mju_user_warning(lambda message: None)  # or the engine leaves a log file
     with _told(path):
         spec = mujoco.MjSpec.from_file(str(path))
+        _check_numbers(path)
         _leave_mechanics(spec, path, mujoco, with_inertia)
     return spec
 
@@ -104,6 +106,17 @@ def _leave_mechanics(spec, path: Path, mujoco, with_inertia: bool) -> None:
     spec.compiler.fusestatic = False  # keeps the names of links on fixed joints
     spec.compiler.balanceinertia = True
     spec.compiler.boundmass = spec.compiler.boundinertia = MASSLESS_KG
+
+
+def _check_numbers(path: Path) -> None:
+    """MuJoCo takes a nan for what it may choose itself."""
+    for file in sources(path):
+        for element in ElementTree.parse(path.parent / file).iter():
+            for key, value in element.attrib.items():
+                if key not in _NAMES and any(word.lower().strip("+-") in _NO_NUMBERS for word in value.split()):
+                    raise InputError(
+                        f'{path.parent / file}: <{element.tag}> {key}="{value}" is not a number; correct it'
+                    )
 
 
 def _check_springs(path: Path, model, mujoco) -> None:
