@@ -228,7 +228,7 @@ begin
         end if;
       end if;
 
-      -- The product is below 2**64, the mean speed at most 2**48, 15 times that below 2**52.
+      -- 2 ticks at least: the product is below 2**63, the mean speed at most 2**47, 16 times that below 2**52.
       if state = speed and turn = 2 then
         speed_v := resize(unsigned(truncate(product + (2 ** 16 - 1), 16, 50)), 52);
         velocity <= speed_v(31 downto 0);
@@ -238,7 +238,7 @@ begin
         end if;
       end if;
 
-      -- The product is below 2**64, the change of speed at most 2**40, 48 times that below 2**46.
+      -- The product is below 2**63, the change of speed at most 2**39, 48 times that below 2**46.
       if state = acceleration and turn = 2 then
         change_v := resize(unsigned(truncate(product + (2 ** 24 - 1), 24, 42)), 46);
         state <= speed;
@@ -286,7 +286,8 @@ begin
         end if;
       end if;
 
-      -- What is rounded down all the way stays between 0 and the exact s, which is below 1.
+      -- What is rounded down all the way stays between 0 and the exact s, which is below 1. 10 - 15 u can be negative:
+      -- what counts is its sum with 6 u**2, for which 36 bits are exact.
       if state = square and turn = 2 then
         power <= unsigned(product(63 downto 32));
         factor_v := to_unsigned(10, 4) & to_unsigned(0, 32);
