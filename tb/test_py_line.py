@@ -1,9 +1,12 @@
 """The Modbus master in C on the twin of gc_modbus: the driver's answers, words written once, what went wrong said."""
 
+import subprocess
+
 import numpy as np
 import pytest
 
 from c_line import CLineBus, LineResult, compile_line
+from codes import ROOT
 from gravcomp.driver.host import Host, Result
 from gravcomp.twin.modbus import Count, ModbusSlave
 from support.model_board import ModelCore, Noise
@@ -87,6 +90,33 @@ def test_refusal_whose_answer_is_lost_is_still_one(library):
     assert line.write_run(model.map["command_clocks"].address, [1, 2, 3, 4]) == LineResult.REFUSED
     assert len(lost) == 1
     assert slave.counts[Count.WRITTEN] == 3, "it is not sent again"
+
+
+CPP = """
+#include "gravcomp_modbus.h"
+
+static void send(void *, const uint8_t *, uint32_t) {}
+static uint32_t receive(void *, uint8_t *, uint32_t) { return 0; }
+
+int main()
+{
+    gravcomp_line line = {send, receive, nullptr, 1, 2, GRAVCOMP_LINE_OK, 0, 0, 0};
+    gravcomp_bus bus;
+
+    return gravcomp_line_open(&line, &bus) == GRAVCOMP_LINE_SILENT && line.repeated == 1 ? 0 : 1;
+}
+"""
+
+
+def test_line_links_into_a_program_in_cpp(tmp_path):
+    (tmp_path / "main.cpp").write_text(CPP)
+    host = ROOT / "host"
+    subprocess.run(
+        ["cc", "-std=c99", f"-I{host}", "-c", host / "gravcomp_modbus.c", "-o", tmp_path / "line.o"], check=True
+    )
+    strict = ["-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{host}"]
+    subprocess.run(["c++", *strict, tmp_path / "main.cpp", tmp_path / "line.o", "-o", tmp_path / "main"], check=True)
+    subprocess.run([tmp_path / "main"], check=True)
 
 
 @pytest.mark.parametrize(
