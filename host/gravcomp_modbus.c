@@ -103,7 +103,10 @@ gravcomp_line_result gravcomp_line_read(gravcomp_line *line, uint32_t offset, ui
 
 static gravcomp_line_result count_written(gravcomp_line *line)
 {
-    return gravcomp_line_read(line, GRAVCOMP_MODBUS_WRITTEN, &line->written, 1);
+    gravcomp_line_result result = gravcomp_line_read(line, GRAVCOMP_MODBUS_WRITTEN, &line->written, 1);
+
+    line->is_counted = result == GRAVCOMP_LINE_OK;
+    return result;
 }
 
 /* The answer to a write, or, if that is lost, what the port counted since it had counted `before`: all words stand, or
@@ -134,9 +137,14 @@ static gravcomp_line_result write_once(gravcomp_line *line, uint8_t *frame, uint
 gravcomp_line_result gravcomp_line_write(gravcomp_line *line, uint32_t offset, const uint32_t *words, uint32_t n)
 {
     uint8_t frame[LONGEST];
-    uint32_t before = line->written;
-    gravcomp_line_result worst = GRAVCOMP_LINE_SILENT;
+    uint32_t before = 0;
+    gravcomp_line_result worst = line->is_counted ? GRAVCOMP_LINE_OK : count_written(line);
 
+    if (worst != GRAVCOMP_LINE_OK) {
+        return worst;
+    }
+    before = line->written;
+    worst = GRAVCOMP_LINE_SILENT;
     for (uint32_t attempt = 0; attempt < line->attempts; attempt++) {
         gravcomp_line_result result = GRAVCOMP_LINE_OK;
 
@@ -148,7 +156,7 @@ gravcomp_line_result gravcomp_line_write(gravcomp_line *line, uint32_t offset, c
             put_half(frame + 9 + 4 * i, words[i]);
         }
         result = write_once(line, frame, n, before);
-        if (!is_lost(result, &worst)) {
+        if (!is_lost(result, &worst) || !line->is_counted) { /* never again what may stand */
             return result;
         }
     }

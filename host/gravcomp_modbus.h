@@ -43,7 +43,8 @@ typedef struct {
     gravcomp_line_result first; /* what went wrong first in the calls of the bus; clear it with GRAVCOMP_LINE_OK */
     uint8_t exception;          /* the last one: 1 to 4 */
     uint32_t repeated;          /* frames sent again */
-    uint32_t written;           /* words that the port has counted */
+    uint32_t written;           /* words that the port has counted ... */
+    bool is_counted;            /* ... unless a write ended without an answer and a count */
 } gravcomp_line;
 
 /* Find the port, and make a bus of the line. A register that cannot be read over this bus reads as 0, and first says so. */

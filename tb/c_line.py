@@ -30,6 +30,7 @@ class CLine(ctypes.Structure):
         ("send", SEND), ("receive", RECEIVE), ("context", ctypes.c_void_p), ("unit", ctypes.c_uint8),
         ("attempts", ctypes.c_uint32), ("first", ctypes.c_int), ("exception", ctypes.c_uint8),
         ("repeated", ctypes.c_uint32), ("written", ctypes.c_uint32),
+        ("is_counted", ctypes.c_bool),
     )  # fmt: skip
 
 

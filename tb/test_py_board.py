@@ -165,6 +165,28 @@ def test_refused_word_ends_a_run_and_those_before_it_stand():
             bus.read(low)
 
 
+def test_write_after_an_interrupted_one_is_not_taken_for_it():
+    """Ctrl-C between a word and its answer: the port has counted a word that the driver has not."""
+    with ModelBoard(core()) as model, SerialBus(line(model)) as bus:
+        bus.write(address := model.core.map["command_clocks"].address, 1)
+        write = bus._client.write_registers
+
+        def interrupted(*arguments, **options):
+            write(*arguments, **options)
+            raise KeyboardInterrupt
+
+        bus._client.write_registers = interrupted
+        with pytest.raises(KeyboardInterrupt):
+            bus.write(address, 2)
+        bus._client.write_registers = write
+        # Of the frames that come now, the first is to count, the second to write: it is lost.
+        strikes = iter([False] * 3 + [True])
+        model.noise.strikes = lambda _: next(strikes, False)
+        bus.write(address, 3)
+        assert model.core.get("command_clocks") == 3
+        assert bus.repeated == 1
+
+
 def test_hold_ends_braked(capsys, limits):
     with ModelBoard(core()) as board:
         held = ("--robot", str(SPHEIRO), "--limits", str(limits))

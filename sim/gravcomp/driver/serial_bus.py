@@ -67,8 +67,10 @@ class SerialBus:
         self.line, self.sent, self.repeated = line, 0, 0
         self._received, self._answered = 0, False
         self._client = _open(line, self._trace)
+        # Words that the port has counted; None: unknown, since a write was refused or interrupted.
+        self._written: int | None = None
         try:
-            self._written = self.count(Count.WRITTEN)
+            self.count(Count.WRITTEN)
         except InputError:
             self.close()
             raise
@@ -100,17 +102,15 @@ class SerialBus:
     def write_run(self, offset: int, words: Sequence[int]) -> None:
         """Registers from a byte offset on, at most 61; those before one that is refused are written."""
         halves = [half for word in words for half in (word >> 16 & 0xFFFF, word & 0xFFFF)]
-        where, before = f"a write of {len(words)} at 0x{offset:03X}", self._written
+        where = f"a write of {len(words)} at 0x{offset:03X}"
+        before = self.count(Count.WRITTEN) if self._written is None else self._written
+        self._written = None
         request = self._client.write_registers
-        try:
-            self._persist(
-                lambda: self._answer(lambda: request(offset // 2, halves, device_id=self.line.unit), where),
-                where,
-                lambda: self._stands(before, len(words), where),
-            )
-        except Refused:
-            self._written = self.count(Count.WRITTEN)
-            raise
+        self._persist(
+            lambda: self._answer(lambda: request(offset // 2, halves, device_id=self.line.unit), where),
+            where,
+            lambda: self._stands(before, len(words), where),
+        )
         self._written = _wrapped(before + len(words))
 
     def _stands(self, before: int, n_words: int, where: str) -> bool:
