@@ -115,7 +115,7 @@ architecture rtl of gc_modbus is
 
   function run_code (
     start    : half_t;
-    quantity : half_t;
+    number : half_t;
     most     : positive
   ) return code_t is
 
@@ -123,9 +123,9 @@ architecture rtl of gc_modbus is
 
   begin
 
-    if quantity = 0 or quantity > most then
+    if number = 0 or number > most then
       code_v := illegal_value_c;
-    elsif start(0) = '1' or quantity(0) = '1' or start > registers_c or start + quantity > registers_c then
+    elsif start(0) = '1' or number(0) = '1' or start > registers_c or start + number > registers_c then
       code_v := illegal_address_c;
     end if;
 
