@@ -233,14 +233,14 @@ PLANTED = [
     ("setpoint", "gc_setpoint", [
         ("setpoint(i) <= in_count(", "setpoint(i) <= not in_count(", "stopped_follows_the_count"),
         ("move_ready <= run when", "move_ready <= '1' when", "nothing_is_taken_while_stopped"),
-        ("        state <= divide;\n", "", "a_move_taken_is_under_way"),
+        ("        state <= divide;", "        null;", "a_move_taken_is_under_way"),
         ("        start <= setpoint;\n", "        start <= setpoint;\n        setpoint(0) <= start(0);\n",
          "at_rest_it_stays"),
     ]),
     ("setpoint", "gc_setpoint", [
         # a division of one bit: the run that breaks it is short
-        ("if bits_left = 0 then", "if bits_left /= 0 then", "each_tick_moves_once_at_most"),
-        ("if state = awaiting and in_valid = '1' then", "if state = awaiting then", "each_tick_moves_once_at_most"),
+        ("divide and bits_left = 0 then", "divide then", "each_tick_moves_once_at_most"),
+        ("steps <= in_valid when", "steps <= '1' when", "each_tick_moves_once_at_most"),
     ]),
     ("recorder", "gc_recorder", [
         ("newest <= newest + words_c;", "newest <= newest + words_c + 1;", "places_follow_the_records"),

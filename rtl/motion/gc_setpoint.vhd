@@ -80,27 +80,36 @@ architecture rtl of gc_setpoint is
   signal speed_limit        : limits_t;
   signal acceleration_limit : limits_t;
 
-  signal state      : state_t := at_rest;
-  signal is_product : std_ulogic;
-  signal turn       : natural range 0 to 2 := 0;
-  signal axis       : natural range 0 to axes_g - 1 := 0;
-  signal setpoint   : words_t := (others => (others => '0'));
-  signal start      : words_t;
-  signal span       : spans_t;
+  signal state       : state_t := at_rest;
+  signal is_product  : std_ulogic;
+  -- A product is there; a move is taken; a tick moves on.
+  signal told        : std_ulogic;
+  signal takes       : std_ulogic;
+  signal steps       : std_ulogic;
+  signal turn        : natural range 0 to 2 := 0;
+  signal axis        : natural range 0 to axes_g - 1 := 0;
+  signal setpoint    : words_t := (others => (others => '0'));
+  signal start       : words_t;
+  signal span        : spans_t;
   -- What is left of 2**32 by the ticks asked for, and bits of the quotient that are still to come.
-  signal ticks      : unsigned(31 downto 0);
-  signal remainder  : unsigned(31 downto 0);
-  signal bits_left  : natural range 0 to 31 := 0;
-  signal rate       : unsigned(31 downto 0) := (others => '0');
+  signal ticks       : unsigned(31 downto 0);
+  signal remainder   : unsigned(31 downto 0);
+  signal bits_left   : natural range 0 to 31 := 0;
+  signal rate        : unsigned(31 downto 0) := (others => '0');
   -- u; then u**2, u**3 or s; 10 - 15 u + 6 u**2.
-  signal phase      : unsigned(31 downto 0);
-  signal power      : unsigned(31 downto 0);
-  signal factor     : unsigned(31 downto 0);
+  signal phase       : unsigned(31 downto 0);
+  signal next_phase  : unsigned(32 downto 0);
+  signal power       : unsigned(31 downto 0);
+  signal factor      : unsigned(31 downto 0);
   -- (target - start) / ticks, 2**-16 counts per tick.
-  signal velocity   : unsigned(31 downto 0);
-  signal a          : signed(32 downto 0);
-  signal b          : signed(32 downto 0);
-  signal product    : signed(65 downto 0);
+  signal velocity    : unsigned(31 downto 0);
+  -- What a product means while planning: that, and its change, 2**-24 counts per tick**2, rounded up.
+  signal mean_speed  : unsigned(51 downto 0);
+  signal mean_change : unsigned(45 downto 0);
+  signal too_fast    : std_ulogic;
+  signal a           : signed(32 downto 0);
+  signal b           : signed(32 downto 0);
+  signal product     : signed(65 downto 0);
 
   -- Without its sign; |value| < 2**32.
 
@@ -171,44 +180,100 @@ begin
       out_product => product
     );
 
-  p_setpoint : process (clk) is
+  told <= '1' when is_product = '1' and turn = 2 else '0';
+  takes <= move_valid when state = at_rest else '0';
+  steps <= in_valid when state = awaiting else '0';
+  next_phase <= resize(phase, 33) + rate;
 
-    variable twice_v    : unsigned(32 downto 0);
-    variable speed_v    : unsigned(51 downto 0);
-    variable change_v   : unsigned(45 downto 0);
-    variable phase_v    : unsigned(32 downto 0);
-    variable factor_v   : unsigned(35 downto 0);
-    variable place_v    : signed(33 downto 0);
-    variable too_fast_v : std_ulogic;
+  -- 2 ticks at least: the product is below 2**63. So the mean speed is at most 2**47, 16 times that below 2**52, and
+  -- its change at most 2**39, 48 times that below 2**46.
+  mean_speed <= resize(unsigned(truncate(product + (2 ** 16 - 1), 16, 50)), 52);
+  mean_change <= resize(unsigned(truncate(product + (2 ** 24 - 1), 24, 42)), 46);
 
+  p_limits : process (all) is
+  begin
+
+    too_fast <= '0';
+
+    if state = speed then
+      if shift_left(mean_speed, 4) - mean_speed > shift_left(resize(speed_limit(axis), 52), 3) then
+        too_fast <= '1';
+      end if;
+    elsif state = acceleration then
+      if shift_left(mean_change, 5) + shift_left(mean_change, 4) - mean_change
+         > shift_left(resize(acceleration_limit(axis), 46), 3) then
+        too_fast <= '1';
+      end if;
+    end if;
+
+  end process p_limits;
+
+  p_state : process (clk) is
   begin
 
     if rising_edge(clk) then
-      too_fast_v := '0';
       turn <= 0;
       if is_product = '1' and turn /= 2 then
         turn <= turn + 1;
       end if;
 
-      if state = at_rest and move_valid = '1' then
+      if takes = '1' then
         state <= divide;
+      elsif state = divide and bits_left = 0 then
+        state <= speed;
+      elsif steps = '1' then
+        state <= square;
+        if next_phase(32) = '1' then
+          state <= at_rest;
+        end if;
+      elsif told = '1' and too_fast = '1' then
+        axis <= 0;
+        state <= speed;
+        if rate <= 1 then
+          state <= at_rest;
+        end if;
+      elsif told = '1' and state = speed then
+        state <= acceleration;
+      elsif told = '1' and state = square then
+        state <= cube;
+      elsif told = '1' and state = cube then
+        state <= blend;
+      elsif told = '1' and state = blend then
+        state <= place;
+      elsif told = '1' and axis /= axes_g - 1 then
+        -- acceleration and place: the next axis, or all are done
+        axis <= axis + 1;
+        if state = acceleration then
+          state <= speed;
+        end if;
+      elsif told = '1' then
+        axis <= 0;
+        state <= awaiting;
+      end if;
+
+      if run = '0' or rst = '1' then
+        state <= at_rest;
+        turn <= 0;
+        axis <= 0;
+      end if;
+    end if;
+
+  end process p_state;
+
+  p_rate : process (clk) is
+
+    variable twice_v : unsigned(32 downto 0);
+
+  begin
+
+    if rising_edge(clk) then
+      if takes = '1' then
         ticks <= move_ticks;
         if move_ticks < 2 then
           ticks <= to_unsigned(2, 32);
         end if;
         remainder <= to_unsigned(1, 32);
         bits_left <= 31;
-        axis <= 0;
-        phase <= (others => '0');
-        sts_refused <= '0';
-        start <= setpoint;
-
-        for i in 0 to axes_g - 1 loop
-
-          span(i) <= resize(move_target((i + 1) * 32 - 1 downto i * 32), 33) - setpoint(i);
-
-        end loop;
-
       end if;
 
       -- 2**32 / ticks, a bit a clock: the remainder is below the divisor, twice it below 2**33
@@ -221,60 +286,56 @@ begin
           remainder <= twice_v(31 downto 0);
           rate(0) <= '1';
         end if;
-        if bits_left = 0 then
-          state <= speed;
-        else
+        if bits_left /= 0 then
           bits_left <= bits_left - 1;
         end if;
       end if;
 
-      -- 2 ticks at least: the product is below 2**63, the mean speed at most 2**47, 16 times that below 2**52.
-      if state = speed and turn = 2 then
-        speed_v := resize(unsigned(truncate(product + (2 ** 16 - 1), 16, 50)), 52);
-        velocity <= speed_v(31 downto 0);
-        state <= acceleration;
-        if shift_left(speed_v, 4) - speed_v > shift_left(resize(speed_limit(axis), 52), 3) then
-          too_fast_v := '1';
+      if told = '1' then
+        velocity <= mean_speed(31 downto 0);
+        -- a step of u that is too long is shortened, by 1 at least
+        if too_fast = '1' then
+          rate <= rate - shift_right(rate, 4);
+          if rate < 16 then
+            rate <= rate - 1;
+          end if;
         end if;
       end if;
 
-      -- The product is below 2**63, the change of speed at most 2**39, 48 times that below 2**46.
-      if state = acceleration and turn = 2 then
-        change_v := resize(unsigned(truncate(product + (2 ** 24 - 1), 24, 42)), 46);
-        state <= speed;
-        if axis = axes_g - 1 then
-          axis <= 0;
-          state <= awaiting;
-        else
-          axis <= axis + 1;
-        end if;
-        if shift_left(change_v, 5) + shift_left(change_v, 4) - change_v
-           > shift_left(resize(acceleration_limit(axis), 46), 3) then
-          too_fast_v := '1';
-        end if;
+      if told = '1' and too_fast = '1' and rate <= 1 then
+        sts_refused <= '1';
+      end if;
+      if takes = '1' or run = '0' or rst = '1' then
+        sts_refused <= '0';
+      end if;
+    end if;
+
+  end process p_rate;
+
+  p_path : process (clk) is
+
+    variable factor_v : unsigned(35 downto 0);
+    variable place_v  : signed(33 downto 0);
+
+  begin
+
+    if rising_edge(clk) then
+      if takes = '1' then
+        phase <= (others => '0');
+        start <= setpoint;
+
+        for i in 0 to axes_g - 1 loop
+
+          span(i) <= resize(move_target((i + 1) * 32 - 1 downto i * 32), 33) - setpoint(i);
+
+        end loop;
+
       end if;
 
-      -- A step of u that is too long is shortened, by 1 at least.
-      if too_fast_v = '1' then
-        axis <= 0;
-        state <= speed;
-        rate <= rate - shift_right(rate, 4);
-        if rate < 16 then
-          rate <= rate - 1;
-        end if;
-        if rate <= 1 then
-          sts_refused <= '1';
-          state <= at_rest;
-        end if;
-      end if;
-
-      if state = awaiting and in_valid = '1' then
-        phase_v := resize(phase, 33) + rate;
-        phase <= phase_v(31 downto 0);
-        state <= square;
+      if steps = '1' then
+        phase <= next_phase(31 downto 0);
         -- u = 1: the target itself
-        if phase_v(32) = '1' then
-          state <= at_rest;
+        if next_phase(32) = '1' then
 
           for i in 0 to axes_g - 1 loop
 
@@ -288,40 +349,27 @@ begin
 
       -- What is rounded down all the way stays between 0 and the exact s, which is below 1. 10 - 15 u can be negative:
       -- what counts is its sum with 6 u**2, for which 36 bits are exact.
-      if state = square and turn = 2 then
+      if told = '1' and state /= place then
         power <= unsigned(product(63 downto 32));
-        factor_v := to_unsigned(10, 4) & to_unsigned(0, 32);
-        factor_v := factor_v - (shift_left(resize(phase, 36), 4) - phase);
-        factor_v := factor_v + shift_left(resize(unsigned(product(63 downto 32)), 36), 2)
-                    + shift_left(resize(unsigned(product(63 downto 32)), 36), 1);
+        if state = blend then
+          power <= unsigned(product(factor_fraction_c + 31 downto factor_fraction_c));
+        end if;
+      end if;
+      if told = '1' and state = square then
+        factor_v := resize(unsigned(product(63 downto 32)), 36);
+        factor_v := shift_left(factor_v, 2) + shift_left(factor_v, 1);
+        factor_v := factor_v + (to_unsigned(10, 4) & to_unsigned(0, 32));
+        factor_v := factor_v + phase - shift_left(resize(phase, 36), 4);
         factor <= factor_v(35 downto 36 - factor'length);
-        state <= cube;
-      end if;
-      if state = cube and turn = 2 then
-        power <= unsigned(product(63 downto 32));
-        state <= blend;
-      end if;
-      if state = blend and turn = 2 then
-        power <= unsigned(product(factor_fraction_c + 31 downto factor_fraction_c));
-        state <= place;
       end if;
 
       -- start + (target - start) s lies between the two
-      if state = place and turn = 2 then
+      if told = '1' and state = place then
         place_v := resize(start(axis), 34) + truncate(product + half_c, 32, 34);
         setpoint(axis) <= place_v(31 downto 0);
-        if axis = axes_g - 1 then
-          axis <= 0;
-          state <= awaiting;
-        else
-          axis <= axis + 1;
-        end if;
       end if;
 
       if run = '0' or rst = '1' then
-        state <= at_rest;
-        turn <= 0;
-        sts_refused <= '0';
 
         for i in 0 to axes_g - 1 loop
 
@@ -332,6 +380,6 @@ begin
       end if;
     end if;
 
-  end process p_setpoint;
+  end process p_path;
 
 end architecture rtl;
