@@ -12,10 +12,12 @@ import pytest
 
 from codes import ROOT
 from gravcomp.cli import COMMANDS
+from gravcomp.driver.host import machine_settings
 from gravcomp.robot.machine import ROBOT_TOML, load_machine
 from machines import SHIPPED, changed, machine_folder
 from measured_samples import holds, write_log
 from onnx_files import torch_like
+from support.model_board import ModelBoard, ModelCore
 
 # What the tree has of a machine.
 OTHERS = (ROOT / "weights", ROOT / "rtl" / "generated", ROOT / "data")
@@ -75,8 +77,16 @@ CASES = {
     "import-network": ["net.onnx", "--robot", "machine", "--out", "imported", "--poses", "200"],
     "correct": ["arm/model.toml", "--out", "arm/corrected.xml"],
     "vectors": ["--weights", "machine", "--out", "vectors.txt"],
+    "board": ["PORT", "info", "--robot", "machine"],
 }
 WITHOUT_A_ROBOT = {"import", "correct"}  # correct reads the model.toml that a diagnosis wrote
+
+
+def core_of(machine: Path) -> ModelCore:
+    """Registers of a core with four lanes that was built with the ROM of a machine of three axes."""
+    told = machine_settings(machine)
+    hashed = [told["expected_weights"], *range(7)]
+    return ModelCore(clock_hz=told["clock_hz"], weights_hash=hashed, geometry=3 | 20 << 8 | 3 << 16 | 4 << 24)
 
 
 def test_every_command_is_looked_at():
@@ -85,7 +95,8 @@ def test_every_command_is_looked_at():
 
 @pytest.mark.slow
 def test_commands_read_no_robot_but_their_own(place):
-    files = opened(place, CASES)
+    with ModelBoard(core_of(place / "machine")) as board:
+        files = opened(place, CASES | {"board": [board.port, *CASES["board"][1:]]})
     own = place / "machine" / ROBOT_TOML
     assert {name for name in files if own not in files[name]} == WITHOUT_A_ROBOT
     foreign = {name: [path for path in paths if is_elsewhere(path, place)] for name, paths in files.items()}
