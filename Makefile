@@ -9,7 +9,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil machines budget latency formats certify certify-all docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers peers-diagnosis formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil machines budget latency formats certify certify-all docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -146,6 +146,11 @@ peers: setup ## the core beside da4ml and NNgen (same flow; slow) and beside thi
 	   $(RUN)/pip install --constraint constraints.txt --editable '.[peers]'
 	@$(LAB) peers --docs docs/measured
 	@$(LAB) jitter --docs docs/measured
+
+peers-diagnosis: setup ## the diagnosis beside least squares, PySINDy and random trees on blind sets; docs/measured/peers_diagnosis.md
+	@$(RUN)/python -c "import pysindy" 2>/dev/null || \
+	   $(RUN)/pip install --constraint constraints.txt --editable '.[peers]'
+	@$(LAB) peers-diagnosis --docs docs/measured
 
 lint: setup ## Python and VHDL: style, and GHDL's warnings as errors
 	@$(RUN)/ruff check . && $(RUN)/ruff format --check .
