@@ -9,7 +9,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers peers-diagnosis formal mutate inject ports cells branches coverage test test-fast test-simulators train table1 rom regs system hil machines budget latency formats certify certify-all docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
+.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers peers-diagnosis formal mutate inject ports cells branches coverage test test-fast test-core test-simulators train table1 rom regs system hil machines budget latency formats certify certify-all docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -50,6 +50,10 @@ test: setup ## all tests but the long ones of the netlists, for which see gatesi
 
 test-fast: setup ## the tests that take less than ten seconds each
 	@$(PYTEST) -q -n auto -m "not slow"
+
+test-core: setup ## gc_core with the network of WEIGHTS, after rom: bit for bit, interval, latency, operations, at every number of lanes
+	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)" --check
+	@$(PYTEST) -q -n auto -m "" tb/test_rtl_core.py tb/test_rtl_budget.py -k "not shipped_machine"
 
 test-simulators: setup ## the tests of the RTL on other simulators: Debian 13's GHDL 5.0.1 and ghdl-llvm; says what cannot be had
 	@scripts/setup.sh ghdl-llvm || echo "test-simulators: ghdl-llvm cannot be installed here" >&2

@@ -6,7 +6,6 @@ file anew; the difference is for review.
 
 import csv
 import os
-from pathlib import Path
 
 import pytest
 
@@ -16,7 +15,7 @@ from gravcomp_lab.synthesis.place_route import place_and_route, prepare
 from gravcomp_lab.synthesis.report import picture, tables
 from gravcomp_lab.synthesis.survey import MULTIPLIER, TOP, Result, part_of
 from gravcomp_lab.synthesis.verilog import repair, rtl_sources, to_verilog
-from gravcomp_lab.synthesis.yosys import Netlist, synthesise
+from gravcomp_lab.synthesis.yosys import synthesise
 from runner import ROOT, RTL
 
 PINS = ROOT / "tb" / "synthesis.csv"
@@ -103,14 +102,19 @@ def test_clock_of_one_lane_is_above_its_floor(tmp_path):
     assert placed.clock_mhz > 175
 
 
-@pytest.mark.parametrize(("multipliers", "part"), [(9, "25k"), (28, "25k"), (29, "45k"), (73, "85k"), (156, "85k")])
-def test_part_is_the_smallest_that_holds_the_multipliers(multipliers, part):
-    assert part_of(Netlist("gc_core", {"MULT18X18D": multipliers}, Path("n.json"), Path("n.v"))) == part
+@pytest.mark.parametrize(
+    ("multipliers", "pins", "part"),
+    [(9, 177, "25k"), (28, 197, "25k"), (29, 177, "45k"), (9, 198, "45k"), (73, 177, "85k"), (27, 353, "85k")],
+)
+def test_part_is_the_smallest_that_holds_multipliers_and_pins(multipliers, pins, part):
+    assert part_of({"MULT18X18D": multipliers}, pins) == part
 
 
-def test_core_that_no_part_holds_is_refused():
-    with pytest.raises(InputError, match=r"n\.json: 157 multipliers, the largest part has 156; take fewer lanes"):
-        part_of(Netlist("gc_core", {"MULT18X18D": 157}, Path("n.json"), Path("n.v")))
+@pytest.mark.parametrize(("multipliers", "pins"), [(157, 177), (9, 366)])
+def test_core_that_no_part_holds_is_refused(multipliers, pins):
+    told = f"gc_core: {multipliers} multipliers and {pins} pins, the largest part has 156 and 365; take fewer lanes"
+    with pytest.raises(InputError, match=told):
+        part_of({"MULT18X18D": multipliers}, pins)
 
 
 @pytest.mark.parametrize("command", ["synth", "latency", "budget", "path"])

@@ -1,7 +1,7 @@
 """Area and clock of the core per number of lanes: synthesis, then place and route over speed grades and seeds."""
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
 from itertools import product
@@ -22,8 +22,8 @@ from gravcomp_lab.synthesis.yosys import Netlist, synthesise
 
 TOP = "gc_core"
 MULTIPLIER = Path("ecp5/gc_multiply_18_18.v")
-# Multipliers of the parts, the smallest first.
-PARTS = {"25k": 28, "45k": 72, "85k": 156}
+# Multipliers and pins of the parts in their packages, the smallest first.
+PARTS = {"25k": (28, 197), "45k": (72, 245), "85k": (156, 365)}
 TARGETS = ("ecp5", "xilinx", "gowin")
 SPEEDS = (6, 8)
 SEEDS = (1, 2, 3)
@@ -74,7 +74,7 @@ def survey(
         todo = product(TARGETS, sorted(lanes, reverse=True))
         mapping = rtl / MULTIPLIER
         netlists = dict(_finish(bar, [pool.submit(_netlist, *case, sources, mapping, folder) for case in todo]))
-        parts = {n: part_of(netlists["ecp5", n]) for n in lanes}
+        parts = {n: part_of(netlists["ecp5", n].cells, netlists["ecp5", n].port_bits()) for n in lanes}
         runs = [pool.submit(_place, case, netlists["ecp5", case[0]], parts[case[0]], folder) for case in cases]
         placements = dict(_finish(bar, runs))
     results = [_result(n, parts[n], timing[n], netlists, placements) for n in lanes]
@@ -90,13 +90,16 @@ def machine_sources(rtl: Path, weights: Path, folder: Path) -> list[Path]:
     return sources
 
 
-def part_of(netlist: Netlist) -> str:
-    """The smallest part that holds the multipliers. Raises InputError when there is none."""
-    needed = netlist.cells.get("MULT18X18D", 0)
-    for part, multipliers in PARTS.items():
-        if needed <= multipliers:
+def part_of(cells: Mapping[str, int], pins: int) -> str:
+    """The smallest part that holds the multipliers and the pins. Raises InputError when there is none."""
+    needed = cells.get("MULT18X18D", 0)
+    for part, (multipliers, most_pins) in PARTS.items():
+        if needed <= multipliers and pins <= most_pins:
             return part
-    raise InputError(f"{netlist.json}: {needed} multipliers, the largest part has {multipliers}; take fewer lanes")
+    raise InputError(
+        f"{TOP}: {needed} multipliers and {pins} pins, the largest part has {multipliers} and {most_pins}; "
+        "take fewer lanes or axes"
+    )
 
 
 def _netlist(
@@ -130,7 +133,7 @@ def _place(
 ) -> tuple[tuple[int, int, int], Placement]:
     lanes, speed, seed = case
     # Routing is the limit where nine tenths of the largest part's DSP blocks are taken.
-    is_full = netlist.cells.get("MULT18X18D", 0) > 0.9 * max(PARTS.values())
+    is_full = netlist.cells.get("MULT18X18D", 0) > 0.9 * max(PARTS.values())[0]
     how = {"router": "router2", "options": ["--placer", "static"]} if is_full else {}
     out = folder / f"{lanes}-{speed}-{seed}"
     return case, place_and_route(netlist.json, part=part, speed=speed, seed=seed, out=out, **how)
