@@ -47,8 +47,10 @@ def quiet_inputs(n_clocks: int) -> dict[str, np.ndarray]:
     names = ("in_illegal", "in_clamped", "in_saturated", "in_deviates", "brake_fails")
     inputs |= {name: axes_zero for name in names}
     inputs |= {"in_referenced": axes_zero + 1, "in_reached": axes_zero + 1, "in_period": axes_zero + STILL}
-    inputs |= {"in_count": 7 * np.arange(n_clocks)[:, None] + 1000 * np.arange(n_axes)}
     low, high = position_window()
+    room = (high - low) // 4
+    moving = 7 * np.arange(n_clocks)[:, None] % room + np.minimum(1000 * np.arange(n_axes), room)
+    inputs |= {"in_count": (low + high) // 2 + moving}
     inputs |= {"cfg_count_low": axes_zero + low, "cfg_count_high": axes_zero + high}
     limits = {"saturation_clocks": SATURATION, "watchdog_clocks": WATCHDOG}
     limits |= {"result_clocks": RESULT, "brake_clocks": BRAKE, "command_clocks": COMMAND, "hold_clocks": HOLD}
