@@ -24,7 +24,7 @@ from gravcomp.robot.spheiro.workspace import pose
 from gravcomp.twin import network as bittrue
 
 SEED = 5
-CERTIFIED = ["spheiro", "slide", "arm2", "so101"]
+CERTIFIED = ["spheiro", "slide", "arm2", "so101", "ur5"]
 
 
 def certifier(name: str) -> Certifier:
@@ -198,6 +198,20 @@ def inputs_outside(seed: int) -> int:
     return int((np.abs(code - x.constant) > error + x.radius).sum())
 
 
+def turns_outside() -> int:
+    """Sine and cosine of an axis that turns: codes at random positions against their error."""
+    machine = load_folder(ROOT / "weights" / "ur5")
+    fixed = quantise(machine.network, machine.machine.drive)
+    at = np.random.default_rng(SEED).uniform(-np.pi, np.pi, (fixed.n_axes, 20000))
+    x, error = enclosure._inputs(Taylor.variables(at, at), fixed, machine.machine.drive)
+    code = bittrue.input_stage(machine.machine.drive.counts(at.T), fixed)[0].T
+    return int((np.abs(np.ldexp(code.astype(float), -fixed.x_fraction) - x.constant) > error + x.radius).sum())
+
+
+def test_codes_of_sine_and_cosine_stay_within_their_error():
+    assert turns_outside() == 0
+
+
 def activation_outside() -> int:
     """Over all codes of a: Gamma by the hardware, less Gamma, against the interval of the truncations."""
     code = np.arange(-(2 ** (q.OPERAND_BITS - 1)), 2 ** (q.OPERAND_BITS - 1))
@@ -262,6 +276,7 @@ def every_core() -> int:
 
 UNSOUND = {  # rule, which of its results, factor; what must see it
     "errors of the inputs at nine tenths": ("_inputs", 1, 0.9, lambda: sum(map(inputs_outside, range(8)))),
+    "errors of sine and cosine at a half": ("_inputs", 1, 0.5, turns_outside),
     "truncations of Gamma at nine tenths": ("_truncated_products", 1, 0.9, activation_outside),
     "truncations of Gamma not centred": ("_truncated_products", 0, 0.0, activation_outside),
     "bends at nine tenths": ("_ramp_squared", 3, 0.9, ramps_outside),

@@ -5,7 +5,7 @@ rounding to the nearest count; the statics in real arithmetic, their constants a
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,8 +15,9 @@ from gravcomp.certify.search import N_POSES, Found
 from gravcomp.certify.taylor import Taylor, pairs
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.errors import InputError
+from gravcomp.network.inputs import SIN_COS
 from gravcomp.robot.machine import EFFORT_UNITS, Machine
-from gravcomp.robot.protocol import HasFormula
+from gravcomp.robot.protocol import Formula, HasFormula
 from gravcomp.twin import network as bittrue
 
 _N_WORST = 16
@@ -50,7 +51,7 @@ class Certifier:
                 "poses alone, nothing can be proven of the others; give a robot with a formula, spheiro or mujoco"
             )
         try:
-            self.formula = machine.robot.formula()
+            self.formula = _one_turn(machine.robot.formula(), fixed)
         except InputError as error:
             raise InputError(f"{machine.where}: nothing can be proven of this robot: {error}") from error
         self.machine, self.fixed = machine, fixed
@@ -98,6 +99,15 @@ class Certifier:
     def of_unit(self, values: np.ndarray) -> np.ndarray:
         """The largest of the values (n,) of all axes of the same unit as each."""
         return np.array([max(v for v, u in zip(values, self.units, strict=True) if u == unit) for unit in self.units])
+
+
+def _one_turn(formula: Formula, fixed: FixedNetwork) -> Formula:
+    """Axes whose sine and cosine the network sees: every turn is like the first, statics and bounds of the core."""
+    is_turning = np.array([kind == SIN_COS for kind in fixed.inputs])
+    if not is_turning.any():
+        return formula
+    turn = formula.low + 2.0 * np.pi * (1.0 + 1e-12)
+    return replace(formula, high=np.where(is_turning, np.minimum(formula.high, turn), formula.high))
 
 
 def _spread(model: Taylor) -> np.ndarray:

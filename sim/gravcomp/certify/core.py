@@ -3,7 +3,7 @@
 Between two truncations the core is a real function of its input: it is followed as one, in the integers that the
 hardware holds, and what a truncation can do is an interval of known ends around it.
 
-    count = q / unit + [-1/2, 1/2], clamped         x = scale (count - dropped) - [0, 1) LSB
+    count = q / unit + [-1/2, 1/2], clamped         x = scale (count - dropped) - [0, 1) LSB, or sine and cosine
     a = W x + b - [0, 1) LSB, saturated             h = Gamma(a) + [-1 - |a|/2, 0] LSB for a >= 0, [-1, |a|/2] below
     y = V h + b - [0, 1) LSB, saturated             force = scale y - [0, 1) mN
 
@@ -11,6 +11,8 @@ An error of x reaches the force through the gradient of the whole network, not t
 error of a and of h through the slope of its own neuron. Sums never overflow: ``gravcomp formats`` proves their widths.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,9 +20,9 @@ import numpy as np
 from gravcomp.certify.taylor import ROUNDOFF, Taylor
 from gravcomp.core import formats as q
 from gravcomp.core.formats import FixedNetwork
-from gravcomp.errors import InputError
 from gravcomp.network.inputs import SIN_COS
 from gravcomp.robot.machine import Drive
+from gravcomp.twin.sin_cos import ERROR_LSB, PHASE_ERROR_LSB
 
 # Gamma(a) = -1 + sum of weight max(a - knot, 0)^2.
 _KNOTS, _WEIGHTS = (-2.0, 0.0, 2.0), (0.25, -0.5, 0.25)
@@ -40,9 +42,7 @@ class Enclosure:
 
 
 def core_forces(positions: list[Taylor], fixed: FixedNetwork, drive: Drive) -> Enclosure:
-    """What gc_core answers over boxes at positions q (n models), m or rad. Raises InputError for inputs sin_cos."""
-    if SIN_COS in fixed.inputs:
-        raise InputError("an input is sin_cos: its bits have no bound here as yet; give positions, and train again")
+    """What gc_core answers over boxes at positions q (n models), m or rad."""
     x, x_error = _inputs(positions, fixed, drive)
     a, a_weights = _hidden_sum(x, x_error, fixed)
     reach = a.reach
@@ -61,27 +61,37 @@ def core_forces(positions: list[Taylor], fixed: FixedNetwork, drive: Drive) -> E
 
 
 def _inputs(positions: list[Taylor], fixed: FixedNetwork, drive: Drive) -> tuple[Taylor, np.ndarray]:
-    """x of all axes as one model (n, N), in the middle of what truncation leaves, and how far x can be from it."""
-    per_code = np.ldexp(fixed.input_scale.astype(float), -fixed.input_scale_fraction - fixed.x_fraction)[:, None]
-    codes = 2.0 ** fixed.count_shift[:, None]
-    per_count, dropped = per_code / codes, (codes - 1) / 2
-    lsb = 2.0**-fixed.x_fraction
-    model = _joined(positions)
-    factor = per_count * drive.counts_per_unit[:, None]
-    c = factor * model.c
-    c[0] -= per_count * dropped + lsb / 2
-    radius = factor * model.radius + _ROUNDINGS * (factor * model.norm + per_count + lsb)
-    low, high = (np.stack(ends) * drive.counts_per_unit[:, None] for ends in zip(*_all_bounds(positions), strict=True))
-    beyond = np.maximum(high - fixed.count_high[:, None], fixed.count_low[:, None] - low) + _HALF_COUNT + 1e-6
+    """All inputs x as one model (p, N), in the middle of what truncation leaves, and how far x can be from it."""
+    every = []
+    for axis, (position, kind) in enumerate(zip(positions, fixed.inputs, strict=True)):
+        stage = _sine_and_cosine if kind == SIN_COS else _scaled
+        every += stage(position, axis, fixed, float(drive.counts_per_unit[axis]))
+    models, errors = zip(*every, strict=True)
+    return _joined(models), np.stack(np.broadcast_arrays(*errors, models[0].radius)[:-1])
+
+
+def _scaled(position: Taylor, axis: int, fixed: FixedNetwork, counts_per_unit: float):
+    """x of an axis as it stands, clamped, and its error."""
+    lsb, shift = 2.0**-fixed.x_fraction, int(fixed.count_shift[axis])
+    per_count = math.ldexp(
+        int(fixed.input_scale[axis]), -int(fixed.input_scale_fraction[axis]) - fixed.x_fraction - shift
+    )
+    dropped = (2.0**shift - 1) / 2
+    low, high = (end * counts_per_unit for end in position.bounds())
+    beyond = np.maximum(high - fixed.count_high[axis], fixed.count_low[axis] - low) + _HALF_COUNT + 1e-6
     error = per_count * (_HALF_COUNT + dropped + np.maximum(beyond, 0.0)) + lsb / 2
-    return Taylor(model.n, c, radius), error
+    return [(position * (per_count * counts_per_unit) - (per_count * dropped + lsb / 2), error)]
 
 
-def _all_bounds(models: list[Taylor]):
-    return [model.bounds() for model in models]
+def _sine_and_cosine(position: Taylor, axis: int, fixed: FixedNetwork, counts_per_unit: float):
+    """Both x of an axis that turns, and their error: of the count, of its phase, of the table, of the bits dropped."""
+    half = 2.0 ** -(fixed.x_fraction + 1)
+    angle_rad = 2.0 * np.pi * math.ldexp(PHASE_ERROR_LSB, -q.PHASE_BITS) + _HALF_COUNT / counts_per_unit + 1e-9
+    error = angle_rad + math.ldexp(ERROR_LSB, -q.SIN_COS_FRACTION) + half
+    return [(position.sin() - half, error), (position.cos() - half, error)]
 
 
-def _joined(models: list[Taylor]) -> Taylor:
+def _joined(models: Sequence[Taylor]) -> Taylor:
     """Models of single quantities, batch (N,), as one of batch (k, N)."""
     c = np.stack([model.c for model in models], axis=1)
     return Taylor(models[0].n, c, np.stack([model.radius for model in models]))
