@@ -64,21 +64,25 @@ class ByAxis(Named):
     name, is_by_axis = "by axis", True
 
 
-def test_name_is_asked_on_each_axis_by_itself():
-    """1 and 4 times the noise; on axis 1 three times the noise has no name, on axis 2 nothing has none."""
+@pytest.mark.parametrize(("sizes", "unknown", "kept"), [
+    ((1.0, 4.0), 3.0, {1}),  # 17 against 9 as a whole; 1 against 9 on axis 1, where alone something has no name
+    ((2.0, 4.0), 2.0, {0, 1}),  # 20 against 4: five times
+])  # fmt: skip
+def test_name_that_is_too_weak_as_a_whole_is_asked_on_each_axis(sizes, unknown, kept):
+    """Sizes on two axes, and what has no name on axis 1, in units of the noise."""
     rng = np.random.default_rng(8)
-    own, unknown, noise = (rng.standard_normal((N, size)) for size in (2, 1, 2))
-    force = NOISE * (own * [1.0, 4.0] + np.c_[3.0 * unknown, 0.0 * unknown] + noise)
+    own, other, noise = (rng.standard_normal((N, size)) for size in (2, 1, 2))
+    force = NOISE * (own * sizes + np.c_[unknown * other, 0.0 * other] + noise)
     labels = (Parameter("x", 0), Parameter("x", 1))
     zero = np.zeros((N, 1))
     terms = [
         Regressor(Term(ByAxis(), labels), (np.c_[own[:, :1], zero], np.c_[zero, own[:, 1:]])),
-        Regressor(Term(Nameless(), (Parameter("y"),)), (unknown, None)),
+        Regressor(Term(Nameless(), (Parameter("y"),)), (other, None)),
     ]
     gram = Gram(terms, force, np.ones((N, 2)), np.full(2, NOISE**2), np.full(2, float(N)))
     criterion = Criterion([own.term for own in terms], gram, 1, {})
     choice = certain(criterion, Choice(frozenset({0, 1}), False), np.full(2, NOISE))
-    assert {criterion.terms[k].labels for k in criterion.effects_of(choice.members)} == {labels[1:]}
+    assert {label.axis for k in criterion.effects_of(choice.members) for label in criterion.terms[k].labels} == kept
 
 
 class Simple(Candidate):

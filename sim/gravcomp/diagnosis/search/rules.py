@@ -124,12 +124,14 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:
 
 def _doubts(criterion: Criterion, effects: Members, k: int, unnamed: np.ndarray, floor: np.ndarray):
     """What effect k accounts for beside the others, in parts of what is unnamed, with the part of it that stays
-    without that (None: nothing): the whole, or axis by axis, where anything is unnamed on the axis.
+    without that (None: nothing): the whole; of an effect of single axes that is too little as a whole, axis by axis,
+    where anything is unnamed on the axis.
     """
     term, own = criterion.terms[k], criterion.left(effects)
+    whole = (criterion.left(effects - {k}) - own) / max(unnamed.sum(), TINY)
     axes = sorted({label.axis for label in term.labels} - {None}) if term.candidate.is_by_axis else []
-    if not axes:
-        return [((criterion.left(effects - {k}) - own) / max(unnamed.sum(), TINY), k, None)]
+    if not axes or whole >= NAMED_BESIDE:
+        return [(whole, k, None)]
     out = []
     for axis in axes:
         kept = tuple(label for label in term.labels if label.axis != axis)
