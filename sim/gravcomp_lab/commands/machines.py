@@ -21,7 +21,7 @@ LANES = (1, 4)
 N_POSES, SEED = 8000, 2  # those that `gravcomp train` tests on
 HEADER = (
     "| machine | axes | inputs | neurons | error, % | products, sums | of sines and cosines "
-    "| interval, latency, 1 lane | 4 lanes | LUT4 | CCU2C | FF | MULT18X18D |"
+    "| interval, latency, 1 lane | 4 lanes | LUT4 | CCU2C | FF | MULT18X18D | DP16KD |"
 )
 
 
@@ -59,7 +59,7 @@ def _row(weights: Path, rtl: Path, build: Path) -> str:
         budget,
         apart if any(counted[1].values()) else "",
         *(f"{found.interval}, {found.latency}" for found in runs),
-        *(cells.get(name, 0) for name in ("LUT4", "CCU2C", "TRELLIS_FF", "MULT18X18D")),
+        *(cells.get(name, 0) for name in ("LUT4", "CCU2C", "TRELLIS_FF", "MULT18X18D", "DP16KD")),
     ]
     return f"| {' | '.join(map(str, columns))} |"
 
