@@ -93,6 +93,18 @@ def test_diagnosis_gives_an_unlisted_effect_its_driver_and_no_name(tmp_path, sti
     assert (found["drivers"][0]["axis"], found["drivers"][0]["variable"]) == (1, "q1")
 
 
+def test_saturation_of_the_effort_is_no_friction(tmp_path):
+    """f |f| is friction with the square of the load where the motor drives, and its opposite where the load does."""
+
+    def saturation(q, v):
+        f = holding_forces_at(q, P)
+        return -2e-4 * f * np.abs(f) * [1.0, 0.0, 0.0]
+
+    _, found = run(tmp_path, holds(saturation))
+    assert found["effects"] == []
+    assert found["drivers"][0]["variable"] == "f1"
+
+
 def test_intervals_cover_the_true_coefficient(tmp_path):
     _, found = run(tmp_path, holds(lambda q, v: 0.8 * np.sign(v)))
     intervals = found["effects"][0]["ci95"]

@@ -46,7 +46,7 @@ class QuadraticLoadFriction(DirectionalLoadFriction):
     """The same with the square of the load beside it, M6 of that paper."""
 
     complexity = 6.0
-    positive = ()
+    positive = ("mu_motor", "mu_load", "nu_motor", "nu_load")  # else a saturation of the effort, f |f|, would be one
 
     def columns(self, data, shape):
         return super().columns(data, shape) | _by_side(data, "nu", data.nominal**2 * data.direction)
