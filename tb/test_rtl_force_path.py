@@ -25,6 +25,7 @@ from gravcomp_lab.simulated.poses import motion
 from gravcomp_lab.simulated.run import error_table
 from machines import MACHINE
 from runner import RTL, simulate
+from support.ghdl import walks_the_hierarchy
 
 
 def check(counts: np.ndarray, answers: list[list[int]]) -> np.ndarray:
@@ -139,6 +140,7 @@ def test_top_flags_a_force_that_friction_takes_past_its_format(tmp_path):
     )
 
 
+@walks_the_hierarchy
 def test_motion_of_the_report_equals_the_model_and_leaves_a_waveform(tmp_path):
     """As `make sim` runs it, as a function that returns a value."""
     run = motion_run(RTL, tmp_path, weights_under_test(), tmp_path / "run.vcd", n_poses=6)
