@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
+from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from gravcomp.robot.spheiro.kinematics import direct_kinematics
 from gravcomp.training import largest_error as module
 from gravcomp.training.largest_error import Cost, Poses, Weights, descend, edge_and_inside, least_largest_error
 from gravcomp.training.training import Effort, train, workspace_set
-from machines import MACHINE, P
+from machines import MACHINE, SHIPPED, P
 from mechanisms import WEIGHTS
 
 COST = Cost(10, 0.8)
@@ -58,7 +59,7 @@ def test_boundary_of_the_cone_is_its_largest_tilt_and_torsion():
     rotation, axis = direct_kinematics(q, P), np.ones(3) / np.sqrt(3)
     tilt = np.rad2deg(np.arccos(np.clip(np.einsum("i,nij,j->n", axis, rotation, axis), -1, 1)))
     is_side = tilt > P.tilt_max_deg - 1e-6
-    assert 60 < is_side.sum() < 140
+    assert 100 < is_side.sum() < 165  # two thirds
     assert tilt.max() < P.tilt_max_deg + 1e-6
     # About n, of what is left when the tilt is taken away: the angle of R is that of both where the tilt is 0.
     trace = np.trace(rotation[~is_side], axis1=1, axis2=2)
@@ -95,3 +96,18 @@ def test_largest_error_falls_and_weights_stay_on_the_grid(monkeypatch):
     assert worst(found) < 0.7 * worst(network)
     grid = 2.0**-15
     np.testing.assert_allclose(found.hidden_weights / grid, np.rint(found.hidden_weights / grid), atol=1e-9)
+
+
+def test_shipped_network_errs_by_less_than_asked_and_the_default_stays_the_least_square():
+    default, least = (load_network(SHIPPED.parent / name) for name in ("spheiro", "spheiro_minimax"))
+    inside, edge = MACHINE.robot.workspace(200_000, 501), MACHINE.robot.boundary(200_000, 502)
+    squares, largest = [], []
+    for network in (default, least):
+        errors = [network.forces(q) - MACHINE.robot.forces(q) for q in (inside, edge)]
+        squares.append(np.mean(errors[0] ** 2))
+        largest.append(max(np.abs(error).max() for error in errors))
+    print(f"mean square {squares} N^2, largest {largest} N")
+    assert least.n_hidden == 20
+    assert largest[1] <= 0.283
+    assert squares[1] <= 0.0055
+    assert squares[0] < squares[1]

@@ -29,14 +29,16 @@ def _turn(direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def sample_boundary(n_poses: int, p: RobotParameters, seed: int) -> np.ndarray:
-    """Random poses (n_poses, 3, 3) of the workspace's boundary: of the largest tilt, or of either torsion."""
+    """Random poses (n_poses, 3, 3) of the workspace's boundary: a third each of the largest tilt, of either torsion,
+    and of both, where a network errs most.
+    """
     rng = np.random.default_rng(seed)
     azimuth = rng.uniform(0.0, 2.0 * np.pi, n_poses)
     tilt = np.deg2rad(rng.uniform(0.0, p.tilt_max_deg, n_poses))
     torsion = np.deg2rad(rng.uniform(-p.torsion_max_deg, p.torsion_max_deg, n_poses))
-    is_side = rng.random(n_poses) < 0.5
-    tilt = np.where(is_side, np.deg2rad(p.tilt_max_deg), tilt)
-    return pose(azimuth, tilt, np.where(is_side, torsion, np.copysign(np.deg2rad(p.torsion_max_deg), torsion)))
+    part = rng.integers(3, size=n_poses)
+    tilt = np.where(part != 1, np.deg2rad(p.tilt_max_deg), tilt)
+    return pose(azimuth, tilt, np.where(part != 0, np.copysign(np.deg2rad(p.torsion_max_deg), torsion), torsion))
 
 
 def sample_workspace(
