@@ -572,6 +572,19 @@ def test_lag_of_the_effort_is_seen_in_a_motion_and_turned_back():
     assert np.abs(late - data.nominal - friction)[sure].max() > 0.2
 
 
+def test_late_velocity_is_seen_where_a_stamp_repeats():
+    data = motion(800)
+    late = np.column_stack([np.interp(data.t_s - 0.2, data.t_s, v) for v in data.v.T])
+    stamps = data.t_s.copy()
+    stamps[100] = stamps[99]
+    (lag,) = (kind() for kind in EFFECTS if kind.__name__ == "VelocityLag")
+    seen = lag.seen_in(replace(data, t_s=stamps, v=late))
+    assert {name: tau for name, (tau, _) in seen.items()} == pytest.approx(
+        {f"tau_v_{axis}": 0.2 for axis in AXES}, abs=0.02
+    )
+    assert lag.seen_in(replace(data, t_s=stamps)) == {}
+
+
 def test_passive_joint_of_an_axis_at_rest_has_no_friction():
     data = holds(50, 1)
     data = replace(data, v=data.v * [1.0, 0.0, 0.0])

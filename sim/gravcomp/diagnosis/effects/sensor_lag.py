@@ -100,7 +100,7 @@ def _lag_of_velocity(data: Measurement, i: int, slope: np.ndarray) -> tuple[floa
     """Lag of v of one axis behind dq/dt, its standard error, and how much of v it makes."""
     t, v, lag, first = data.t_s, data.v[:, i], 0.0, data.runs == data.runs[0]
     t, v, slope = t[first], v[first], slope[first]
-    turn = np.gradient(slope, t)
+    turn = derivative(slope[:, None], t, np.zeros(len(t)), 0, lambda values, window: values)[:, 0]  # stamps repeat
     for _ in range(_TURNS):
         x = np.column_stack([np.interp(t - lag, t, slope), -np.interp(t - lag, t, turn)])
         inverse = np.linalg.pinv(x.T @ x, rcond=1e-12)
