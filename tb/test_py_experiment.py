@@ -336,7 +336,7 @@ def test_held_poses_are_read_where_asked_and_carry_the_friction():
     off = np.abs(np.array([sample.effort for sample in samples]) - holding_forces_at(q, P))
     assert 1.0 < off.mean() < 2.0
     assert off.max() < 2.1
-    with pytest.raises(PoseError, match=r"^pose 0 is not a rotation"):
+    with pytest.raises(PoseError, match=r"^pose 0 \(and 11 more\) is not a rotation"):
         held([], 2.0 * poses)
 
 

@@ -50,7 +50,7 @@ def relevant_tests(entity: str, rtl: Path, tb: Path) -> list[str]:
     the claims about all that holds it.
     """
     texts = {user: path.read_text() for user, path in handwritten_sources(rtl).items()}
-    test_texts = {p.name: p.read_text() for p in sorted(tb.glob("test_rtl_*.py")) if p.name not in LEFT_OUT}
+    test_texts = {p.name: _with_its_modules(p, tb) for p in sorted(tb.glob("test_rtl_*.py")) if p.name not in LEFT_OUT}
     own = f"test_rtl_{entity.removeprefix('gc_')}.py"
     order, seen, level = [own] if own in test_texts else [], [entity], [entity]
     order += _claims_about(entity)
@@ -61,6 +61,24 @@ def relevant_tests(entity: str, rtl: Path, tb: Path) -> list[str]:
         level = sorted(users.difference(seen))
         seen += level
     return list(dict.fromkeys([*order, *(test for user in seen for test in _claims_about(user))]))
+
+
+def _with_its_modules(file: Path, tb: Path) -> str:
+    """The text of a test, and of the modules of tb/support and of the benches that it imports, which may name the
+    entity for it.
+    """
+    folders = {"support": tb / "support", "gravcomp_lab.benches": tb.parent / "sim" / "gravcomp_lab" / "benches"}
+    texts, todo = {}, [file]
+    while todo:
+        path = todo.pop()
+        if path in texts or not path.is_file():
+            continue
+        texts[path] = path.read_text()
+        for package, name in re.findall(
+            r"^from (support|gravcomp_lab\.benches)\.(\w+) import", texts[path], re.MULTILINE
+        ):
+            todo.append(folders[package] / f"{name}.py")
+    return "".join(texts.values())
 
 
 def _claims_about(entity: str) -> list[str]:

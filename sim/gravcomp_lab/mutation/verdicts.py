@@ -26,6 +26,7 @@ class Verdicts:
         self._path, self._root, self._digests = path, root, {}
         lines = list(csv.DictReader(path.read_text().splitlines())) if path.exists() else []
         self._kept = {self._name(line): line for line in lines}
+        self._table = self._kept  # as it was last written
 
     def known(self, mutant: Mutant) -> Outcome | None:
         """The verdict on a fault, when nothing that it rests on has changed."""
@@ -34,9 +35,9 @@ class Verdicts:
         return outcome if outcome and line["key"] == self._key(outcome) else None
 
     def killers(self, entity: str) -> list[str]:
-        """Test files that caught faults of the entity, the quickest first."""
+        """Test files that caught faults of the entity, just now too, the quickest first."""
         took: dict[str, list[float]] = {}
-        for line in self._kept.values():
+        for line in self._table.values():
             if line["entity"] == entity and line["result"] == CAUGHT:
                 took.setdefault(file_of(line["test"]), []).append(float(line["seconds"]))
         return sorted(took, key=lambda file: (-len(took[file]), sum(took[file])))
@@ -45,17 +46,18 @@ class Verdicts:
         """Write the table with these verdicts, and no others of their entities."""
         outcomes = list(outcomes)
         entities = {outcome.mutant.entity for outcome in outcomes}
-        self._kept = {name: line for name, line in self._kept.items() if line["entity"] not in entities}
+        table = {name: line for name, line in self._kept.items() if line["entity"] not in entities}
         for outcome in outcomes:
             m = outcome.mutant
             values = m.entity, m.line, m.kind, m.good, m.bad, outcome.result, outcome.test, outcome.seconds
             line = dict(zip(_COLUMNS, (*map(str, values), self._key(outcome)), strict=True))
-            self._kept[self._name(line)] = line
+            table[self._name(line)] = line
         text = io.StringIO()
         writer = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
         writer.writeheader()
-        writer.writerows(sorted(self._kept.values(), key=lambda line: (line["entity"], int(line["line"]), line["bad"])))
+        writer.writerows(sorted(table.values(), key=lambda line: (line["entity"], int(line["line"]), line["bad"])))
         write_atomically(self._path, text.getvalue())
+        self._table = table
 
     def _key(self, outcome: Outcome) -> str:
         root, entity = self._root, outcome.mutant.entity
