@@ -316,7 +316,9 @@ def test_what_is_not_proven_is_told_with_its_box():
     low, high = np.array([-1.0, -2.0]), np.array([0.7, 1.0])
     done = branch_and_bound(parabola, lambda: np.array([1.5]), low, high, 0.2)
     assert done.bound[0] >= 2.0
-    assert done.open.low[0, 0] <= 0.0 <= done.open.high[0, 0] + 0.3
+    # At x = 0, y = -2 or so near that no box is worse: how small the boxes are when the time is over, nobody knows.
+    assert done.open.low[0, 0] <= 1e-3
+    assert done.open.high[0, 0] >= -1e-3
     assert done.open.low[1, 0] == -2.0
 
 

@@ -223,7 +223,7 @@ def test_bad_input_of_a_plan_is_one_line(diagnosed, capsys, report, options, tol
     assert not (diagnosed / "plan.csv").exists()
 
 
-@pytest.mark.parametrize("seed", [6, 25, 57])
+@pytest.mark.parametrize("seed", [20, 22])
 def test_blind_set_ends_in_one_name_after_the_planned_measurement(seed):
     outcome = next_motion.run(seed)
     assert outcome.is_planned

@@ -21,6 +21,7 @@ from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, le
 from gravcomp.training.scaling import workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws, random_hidden
 from gravcomp.training.symmetry import cyclic_images, cyclic_tie, is_cyclic
+from gravcomp.training.largest_error import largest_error
 from gravcomp.training.training import (
     N_TEST_POSES,
     RIDGE,
@@ -159,7 +160,9 @@ def test_command_writes_a_folder_that_loads_with_its_provenance(tmp_path, monkey
     assert network.n_hidden == 7
     assert provenance["data"]["sha256"] == workspace_set(60, MACHINE.robot, 5).hash()
     figures = evaluate(network, workspace_set(60, MACHINE.robot, 5), workspace_set(8000, MACHINE.robot, 6))
+    largest = provenance["metrics"].pop("largest")
     assert provenance["metrics"] == pytest.approx(figures, rel=1e-12)
+    assert largest == pytest.approx(largest_error(network, MACHINE.robot, 6), rel=1e-12)
     assert "seed 5" in capsys.readouterr().out
 
 

@@ -137,12 +137,12 @@ PLANTED = [
     ("brake_test", "gc_brake_test", [
         ("in_feedback /= fed", "in_feedback = fed", "wrong_read_back_fails"),
         ("going <= in_start and not rst;", "going <= not rst;", "nothing_without_a_start"),
-        ("axis(inputs_c - 2 downto 0) & '0'", "axis(inputs_c - 2 downto 0) & '1'", "one_axis_at_a_time"),
+        ("axis(axes_c - 2 downto 0) & '0'", "axis(axes_c - 2 downto 0) & '1'", "one_axis_at_a_time"),
     ]),
     ("brake_test", "gc_brake_test", [
         ("ends <= over and not idle", "ends <= over", "every_axis_in_its_phase"),
         ("second <= first;", "second <= not first;", "one_path_is_switched_at_a_time"),
-        ("done <= axis(inputs_c - 1)", "done <= axis(inputs_c - 2)", "done_after_all_phases"),
+        ("done <= axis(axes_c - 1)", "done <= axis(axes_c - 2)", "done_after_all_phases"),
         ("next_order <= next_axis &", "next_order <= axis &", "nothing_is_upset_of_itself"),
     ]),
     ("brake_feedback", "gc_brake_feedback", [
@@ -178,7 +178,7 @@ PLANTED = [
         ("out_second <= axis when", "out_second <= (others => '1') when", "brakes_are_shut_but_in_run_and_test"),
     ]),
     ("brakes", "gc_brake_test", [
-        ("next_done <= axis(inputs_c - 1);", "next_done <= axis(inputs_c - 2);",
+        ("next_done <= axis(axes_c - 1);", "next_done <= axis(axes_c - 2);",
          "each_brake_is_tested_before_all_open"),
     ]),
     ("brakes", "gc_brake_feedback", [

@@ -32,9 +32,9 @@ module bank_switch #(
   wire [53:0] in_current_scale, current_scale;
   wire [3*PHASE_BITS-1:0] in_phase_step, phase_step;
 
-  assign {in_phase_step, in_current_scale, in_output_scale, in_output_bias, in_input_scale, in_x_high, in_x_low,
+  assign {in_phase_step, in_current_scale, in_output_scale, in_output_bias, in_x_high, in_x_low, in_input_scale,
           in_count_high, in_count_low} = in_scalars;
-  assign scalars = {phase_step, current_scale, output_scale, output_bias, input_scale, x_high, x_low, count_high,
+  assign scalars = {phase_step, current_scale, output_scale, output_bias, x_high, x_low, input_scale, count_high,
                     count_low};
 
   gc_bank_switch dut (

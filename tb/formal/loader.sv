@@ -37,7 +37,7 @@ module loader #(
   (* hierconn *) wire [SECTIONS:0] \dut.section ;
   (* hierconn *) wire [15:0] \dut.index , \dut.word ;
   (* hierconn *) wire \dut.is_loading ;
-  wire [SCALAR_BITS-1:0] scalars = {phase_step, current_scale, output_scale, output_bias, input_scale, x_high, x_low,
+  wire [SCALAR_BITS-1:0] scalars = {phase_step, current_scale, output_scale, output_bias, x_high, x_low, input_scale,
                                     count_high, count_low};
 
   gc_loader dut (
