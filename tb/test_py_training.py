@@ -17,11 +17,11 @@ from gravcomp.robot.machine import parse_machine
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces
 from gravcomp.robot.spheiro.workspace import pose
+from gravcomp.training.largest_error import largest_error
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, levenberg_marquardt
 from gravcomp.training.scaling import workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws, random_hidden
 from gravcomp.training.symmetry import cyclic_images, cyclic_tie, is_cyclic
-from gravcomp.training.largest_error import largest_error
 from gravcomp.training.training import (
     N_TEST_POSES,
     RIDGE,
