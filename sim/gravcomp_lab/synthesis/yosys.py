@@ -50,11 +50,17 @@ class Netlist:
 
 
 def synthesise(
-    verilog: Path, top: str, target: str, out: Path, *, mapping: Path | None = None, registered: bool = False
+    verilog: Path,
+    top: str,
+    target: str,
+    out: Path,
+    *,
+    mapping: Path | Sequence[Path] | None = None,
+    registered: bool = False,
 ) -> Netlist:
     """Synthesise module top of a Verilog file for a target of TARGETS; files and yosys.log go to the folder out.
 
-    mapping: a Verilog file whose modules replace those of the same name, such as the vendor's form of a multiplier.
+    mapping: Verilog files whose modules replace those of the same name, such as the vendor's form of a multiplier.
     registered: flip-flops around every port but clk, so that place and route times the paths through the ports too;
     the top of the netlist is then `registered`.
     Raises InputError when Yosys fails; a latch is a failure.
@@ -63,7 +69,8 @@ def synthesise(
     read = [f"read_verilog {verilog.resolve()}"]
     if mapping:
         read += [f"read_verilog -lib {path}" for path in PRIMITIVES.get(target, [])]
-        read += [f"read_verilog -overwrite {mapping.resolve()}"]
+        files = [mapping] if isinstance(mapping, Path) else mapping
+        read += [f"read_verilog -overwrite {file.resolve()}" for file in files]
     if registered:
         wrapper = out / "registered.v"
         wrapper.write_text(_register_ports(top, _ports(read, top, out)))

@@ -1,0 +1,1 @@
+"""Bitstreams for the boards of boards/."""

@@ -1,0 +1,67 @@
+"""A board of boards/: what its board.toml says of pins, clocks and parts."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from gravcomp.errors import InputError
+
+# Every board is made of these, in compile order.
+COMMON = ("gc_pll", "gc_power_on", "gc_desk_axis", "gc_board")
+
+
+@dataclass(frozen=True)
+class Board:
+    """One part of one board: its top entity, files, clocks, and the generics that its part has room for.
+
+    primitives: Verilog that takes the place of modules of the same name, with the part's own cells. axes: those that
+    the pins are enough for.
+    """
+
+    name: str
+    top: str
+    sources: tuple[Path, ...]
+    constraints: Path
+    primitives: tuple[Path, ...]
+    oscillator_hz: float
+    core_hz: float
+    axes: int
+    device: str
+    package: str
+    speed: int
+    generics: Mapping[str, int | str]
+
+
+def boards(folder: Path) -> dict[str, Board]:
+    """All boards of a folder, a name for each part; InputError when there is none, or a key is missing."""
+    found = {}
+    for path in sorted(folder.glob("*/board.toml")):
+        entries = tomllib.loads(path.read_text())
+        for part, of_part in entries.get("parts", {}).items():
+            name = f"{path.parent.name}-{part}"
+            try:
+                found[name] = _board(name, path.parent, entries, of_part)
+            except KeyError as missing:
+                raise InputError(f"{path}: no key {missing.args[0]}; see the other boards") from None
+    if not found:
+        raise InputError(f"{folder}: no boards; give the folder of */board.toml")
+    return found
+
+
+def _board(name: str, folder: Path, entries: dict, part: dict) -> Board:
+    common = folder.parent / "common"
+    return Board(
+        name=name,
+        top=entries["top"],
+        sources=(*(common / f"{entity}.vhd" for entity in COMMON), folder / f"{entries['top']}.vhd"),
+        constraints=folder / entries["constraints"],
+        primitives=tuple(folder / file for file in entries["primitives"]),
+        oscillator_hz=entries["oscillator_hz"],
+        core_hz=entries["core_hz"],
+        axes=entries["axes"],
+        device=part["device"],
+        package=part["package"],
+        speed=part["speed"],
+        generics={key: str(value).lower() for key, value in part["generics"].items()},
+    )
