@@ -59,6 +59,7 @@ class Board:
     def __init__(self, line: Line):
         self.bus = SerialBus(line)
         self.host = Host(self.bus)
+        self._map = read_registers()
         try:
             result, identity = self.host.open()
             if result == Result.NOT_FOUND:
@@ -83,7 +84,7 @@ class Board:
         self.close()
 
     def _versions(self) -> str:
-        register = read_registers()["version"]
+        register = self._map["version"]
         core, driver = self.bus.read(register.address), register.reset
         text = [".".join(str(word >> shift & 255) for shift in (16, 8, 0)) for word in (core, driver)]
         return f"registers of version {text[0]}, the driver is for {text[1]}"
@@ -180,7 +181,7 @@ class Board:
         """Time of an exchange of one register, mean of n."""
         start = time.monotonic()
         for _ in range(n):
-            self.bus.read(read_registers()["id"].address)
+            self.bus.read(self._map["id"].address)
         return (time.monotonic() - start) / n
 
     def _done(self, result: Result) -> None:
@@ -221,7 +222,7 @@ class Board:
 
     def _check_register(self) -> Check:
         """Patterns in a register that no released brake depends on now; what it held is put back."""
-        address = read_registers()["watchdog_clocks"].address
+        address = self._map["watchdog_clocks"].address
         kept = self.bus.read(address)
         patterns = [0x00000000, 0xFFFFFFFF, 0x55555555, 0xAAAAAAAA, 0x00FF00FF, 0x12345678]
         try:
@@ -241,7 +242,7 @@ class Board:
         accesses = (
             ("read where no register is", 4, lambda: self.bus.read(NO_REGISTER)),
             ("read of half a register", 2, lambda: self.bus.read(2)),
-            ("write to the identity", 4, lambda: self.bus.write(read_registers()["id"].address, 0)),
+            ("write to the identity", 4, lambda: self.bus.write(self._map["id"].address, 0)),
         )
         for name, code, access in accesses:
             try:
@@ -253,13 +254,12 @@ class Board:
 
     def _check_results(self, seconds: float) -> Check:
         """Results per second against the tick, by this computer's clock."""
-        registers = read_registers()
-        tick, kept = (self.bus.read(registers[name].address) for name in ("tick_clocks", "control"))
+        tick, kept = (self.bus.read(self._map[name].address) for name in ("tick_clocks", "control"))
         self._done(self.host.tick(True))
         start_s, first, first_late_s = self._result_number()
         time.sleep(seconds)
         end_s, last, last_late_s = self._result_number()
-        self._done(self.host.tick(bool(registers["control"].field("tick_enable", kept))))
+        self._done(self.host.tick(bool(self._map["control"].field("tick_enable", kept))))
         found_hz = (last - first) % 2**32 / (end_s - start_s)
         expected_hz = self.identity.clock_hz / max(tick, 2)
         allowed = CLOCK_TOLERANCE + (first_late_s + last_late_s) / (end_s - start_s)
@@ -272,7 +272,7 @@ class Board:
     def _result_number(self) -> tuple[float, int, float]:
         """The time of a reading, s, the number of results, and by how much the time may be wrong."""
         before = time.monotonic()
-        number = self.bus.read(read_registers()["result_number"].address)
+        number = self.bus.read(self._map["result_number"].address)
         after = time.monotonic()
         return (before + after) / 2, number, (after - before) / 2
 

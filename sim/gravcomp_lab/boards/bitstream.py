@@ -8,13 +8,12 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.errors import InputError
 from gravcomp.robot.machine import load_machine
 from gravcomp_lab.boards.board import Board
 from gravcomp_lab.synthesis.place_route import run_tool
-from gravcomp_lab.synthesis.survey import MULTIPLIER
-from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
+from gravcomp_lab.synthesis.survey import MULTIPLIER, machine_sources
+from gravcomp_lab.synthesis.verilog import to_verilog
 from gravcomp_lab.synthesis.yosys import synthesise
 
 STEPS = ("ROM", "Verilog", "netlist", "place and route", "pack", "unpack")
@@ -55,10 +54,10 @@ def build(board: Board, weights: Path, rtl: Path, out: Path, *, selftest: bool, 
             bar.refresh()
 
         begin("ROM")
-        write_rom(weights, out / "generated")
+        sources = [*machine_sources(rtl, weights, out), *board.sources]
         begin("Verilog")
         generics = {**board.generics, "selftest_g": str(selftest).lower()}
-        verilog = to_verilog(sources(board, rtl, out / "generated"), board.top, generics, out / "board.v")
+        verilog = to_verilog(sources, board.top, generics, out / "board.v")
         begin("netlist")
         mapping = (rtl / MULTIPLIER, *board.primitives)
         netlist = synthesise(verilog, board.top, "ecp5", out, mapping=mapping)
@@ -73,16 +72,6 @@ def build(board: Board, weights: Path, rtl: Path, out: Path, *, selftest: bool, 
         _check_unpacked(out / "placed.config", out / "unpacked.config")
         (out / "board.bit").replace(packed)
     return Bitstream(packed, used, clocks)
-
-
-def sources(board: Board, rtl: Path, generated: Path) -> list[Path]:
-    """The VHDL of a board in compile order, with the packages of a machine that were written to generated."""
-    return [*(_of(generated, path) for path in rtl_sources(rtl)), *board.sources]
-
-
-def _of(generated: Path, path: Path) -> Path:
-    written = generated / path.name
-    return written if path.parent.name == "generated" and written.exists() else path
 
 
 def _check_machine(board: Board, weights: Path) -> None:

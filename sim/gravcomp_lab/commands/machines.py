@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from gravcomp.core.folder import load_folder
+from gravcomp.core.folder import MachineFolder, load_folder
 from gravcomp.core.formats import quantise
 from gravcomp.network.weights import HIDDEN_CSV
 from gravcomp.twin.network import core
@@ -55,7 +55,7 @@ def _row(weights: Path, rtl: Path, build: Path) -> str:
         machine.n_axes,
         network.hidden_weights.shape[1],
         network.n_hidden,
-        f"{error_percent(weights):.2g}",
+        f"{error_percent(content, weights):.2g}",
         budget,
         apart if any(counted[1].values()) else "",
         *(f"{found.interval}, {found.latency}" for found in runs),
@@ -64,9 +64,8 @@ def _row(weights: Path, rtl: Path, build: Path) -> str:
     return f"| {' | '.join(map(str, columns))} |"
 
 
-def error_percent(weights: Path) -> float:
+def error_percent(content: MachineFolder, weights: Path) -> float:
     """Error of the fixed-point core from counts, over poses that training has not seen: RMS in % of the RMS effort."""
-    content = load_folder(weights)
     drive, robot = content.machine.drive, content.machine.robot
     q = robot.workspace(N_POSES, SEED)
     wanted = 1e3 * robot.forces(q)

@@ -87,9 +87,9 @@ def live_bits(live: dict[str, Live]) -> list[int]:
 def prepare(rtl: Path, weights: Path, bench_cpp: Path, variant: str, out: Path, seed: int) -> "Campaign":
     """Build a variant and the scenes in out; what an earlier run found of the same design and bench is used again."""
     generated, image = specimen.make_specimen(weights, out / "specimen")
-    made = {path.name: path for path in generated}
-    sources = [made.get(path.name, path) for path in rtl_sources(rtl)]
-    design = bench.build(sources, {"lanes_g": LANES, **VARIANTS[variant]}, bench_cpp, out / "design")
+    design = bench.build(
+        rtl_sources(rtl, generated), {"lanes_g": LANES, **VARIANTS[variant]}, bench_cpp, out / "design"
+    )
     identity = hashlib.sha256((out / "design" / "gc_system.v").read_bytes() + bench_cpp.read_bytes()).hexdigest()[:16]
     scenes = [Scene("rom"), Scene("image", image=image.data), Scene("braked", End.BRAKED), Scene("test", End.TEST)]
     return Campaign(design, scenes, seed, out / identity)

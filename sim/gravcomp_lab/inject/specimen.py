@@ -32,10 +32,10 @@ all,a2,0.3
 IMAGE_SHARE = 0.9
 
 
-def make_specimen(weights: Path, folder: Path) -> tuple[list[Path], Image]:
+def make_specimen(weights: Path, folder: Path) -> tuple[Path, Image]:
     """Write the generated packages of weights with the compensator above, and weights that differ, into folder.
 
-    Returns the folder of the packages' files and the image of the other weights: outputs scaled by IMAGE_SHARE.
+    Returns the folder of the packages and the image of the other weights: outputs scaled by IMAGE_SHARE.
     InputError when the weights cannot be read or held.
     """
     content = load_folder(weights)
@@ -45,7 +45,7 @@ def make_specimen(weights: Path, folder: Path) -> tuple[list[Path], Image]:
         write_atomically(folder / name / PROVENANCE_JSON, (weights / PROVENANCE_JSON).read_bytes())
         write_atomically(folder / name / "compensation.csv", COMPENSATION)
     write_rom(folder / "rom", folder / "generated")
-    return sorted((folder / "generated").glob("*.vhd")), load_image(folder / "image", folder / "rom")
+    return folder / "generated", load_image(folder / "image", folder / "rom")
 
 
 def ua_per_mn(weights: Path) -> float:

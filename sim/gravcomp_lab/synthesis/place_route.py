@@ -12,6 +12,7 @@ from gravcomp.errors import InputError
 
 # Parts, each with a package that has pins enough for the ports of the core.
 PACKAGES = {"25k": "CABGA381", "45k": "CABGA554", "85k": "CABGA756"}
+_NEXTPNR = "nextpnr-ecp5"
 # The clock asked for, MHz: out of reach, so that the tool does its best.
 _GOAL_MHZ = 400
 # Of timing against wire length in the analytic placer; its own is 10, with which the core is up to 6 % slower.
@@ -31,7 +32,7 @@ class Placement:
 
 def prepare() -> None:
     """Translate nextpnr's WebAssembly for this machine; about a minute the first time, then kept by its runtime."""
-    _nextpnr(["--version"], Path.cwd())
+    run_tool(_NEXTPNR, ["--version"], Path.cwd())
 
 
 def place_and_route(
@@ -60,7 +61,7 @@ def place_and_route(
     if not (done.exists() and done.read_text() == wanted and design.read_bytes() == content):
         done.unlink(missing_ok=True)
         design.write_bytes(content)
-        _nextpnr(arguments, out)
+        run_tool(_NEXTPNR, arguments, out)
         done.write_text(wanted)
     return read_report(report)
 
@@ -77,10 +78,6 @@ def read_report(report: Path) -> Placement:
         path_ns=sum(part["delay"] for part in path),
         used={name: cell["used"] for name, cell in found["utilization"].items() if cell["used"]},
     )
-
-
-def _nextpnr(arguments: Sequence[str], folder: Path) -> None:
-    run_tool("nextpnr-ecp5", arguments, folder)
 
 
 def run_tool(name: str, arguments: Sequence[str], folder: Path) -> None:
