@@ -215,3 +215,16 @@ def test_weights_of_another_number_of_axes_are_refused_by_their_file(folder, com
     assert not (folder / "out").exists()
     (folder / ROBOT_TOML).write_text(text)
     load_folder(folder)
+
+
+def test_a_kind_that_comes_onto_the_path_later_is_found(tmp_path, monkeypatch):
+    """As in a notebook that installs a robot's package after it was told that it needs it."""
+    (tmp_path / ROBOT_TOML).write_text(arm_toml(2).replace('kind = "arm"', 'kind = "other_arm"'))
+    with pytest.raises(InputError, match="'other_arm' is not installed"):
+        load_machine(tmp_path)
+    package = tmp_path / "late-1.0.dist-info"
+    package.mkdir()
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: late\nVersion: 1.0\n")
+    (package / "entry_points.txt").write_text("[gravcomp.robots]\nother_arm = arm:from_table\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert load_machine(tmp_path).n_axes == 2

@@ -1,6 +1,8 @@
 """The kinds of robots that are installed: entry points of the group ``gravcomp.robots``."""
 
-from importlib.metadata import entry_points
+import sys
+from functools import cache
+from importlib.metadata import EntryPoints, entry_points
 
 from gravcomp.errors import InputError
 from gravcomp.robot.protocol import Robot
@@ -13,7 +15,7 @@ def robot_from_table(table: dict, where: str) -> Robot:
     model = table.get("model")
     if not isinstance(model, dict) or "kind" not in model:
         raise InputError(f"{where}: [model] kind is missing; give one of {', '.join(_names())}")
-    found = entry_points(group=GROUP, name=str(model["kind"]))
+    found = _installed(tuple(sys.path)).select(name=str(model["kind"]))
     if not found:
         raise InputError(
             f"{where}: [model] kind = {model['kind']!r} is not installed; give one of {', '.join(_names())}"
@@ -22,4 +24,10 @@ def robot_from_table(table: dict, where: str) -> Robot:
 
 
 def _names() -> list[str]:
-    return sorted({point.name for point in entry_points(group=GROUP)})
+    return sorted(_installed(tuple(sys.path)).names)
+
+
+@cache
+def _installed(path: tuple[str, ...]) -> EntryPoints:
+    """The kinds that are found on the path. All distributions are read for it, so only once for each path."""
+    return entry_points(group=GROUP)

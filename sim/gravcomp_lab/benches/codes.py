@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +29,14 @@ def hash_under_test() -> str:
 
 def fixed_network() -> FixedNetwork:
     """The network under test as the hardware holds it."""
-    return quantise(load_network(weights_under_test()), load_machine(weights_under_test()).drive)
+    folder = weights_under_test()
+    return _fixed_network(folder, frozenset((f.name, f.stat().st_mtime_ns) for f in folder.iterdir()))
+
+
+@cache
+def _fixed_network(folder: Path, times: frozenset[tuple[str, int]]) -> FixedNetwork:
+    """Of a folder whose files were written at these times. A simulation asks at every turn."""
+    return quantise(load_network(folder), load_machine(folder).drive)
 
 
 def fixed_compensation() -> FixedCompensation:
