@@ -34,9 +34,11 @@ comparison, a width, a sign, or an assignment that is gone. Mutants are drawn by
 the square root of the faults that fit into it; what GHDL does not analyse or elaborate is not counted. The tests in
 which the entity runs follow each other, those first that caught its faults before, then its own, those of gc_core and
 the tops last, then the proofs, until one fails. A mutant that hangs is caught by the time limit. One that passes the
-first file is compared with the VHDL as it is, as Verilog of gc_system with 1, 4 and 20 lanes, with and without loading:
-the same netlist, or modules that Yosys proves equal, change nothing, and no further test is run. Verdicts are kept in
-`mutation.csv`; a fault is tried again when its entity, the tests that its verdict rests on, or the tool have changed.
+first file is compared with the VHDL as it is, as Verilog of gc_serial_system with 1, 4 and 20 lanes, with and without
+loading, and with every guard; an entity that is in none of these, by itself, with its defaults and the generics of its
+proofs: the same netlist, or modules that Yosys proves equal, change nothing, and no further test is run. Verdicts are
+kept in `mutation.csv`; a fault is tried again when its entity, the tests that its verdict rests on, or the tool have
+changed.
 """
 
 

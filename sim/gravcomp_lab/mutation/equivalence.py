@@ -1,22 +1,28 @@
-"""Whether a fault changes nothing, proven: on GHDL's Verilog of gc_system, as it is built with these generics.
+"""Whether a fault changes nothing, proven: on GHDL's Verilog of every top that holds the entity, for these generics.
 
 First the texts: with intermediate values numbered by their first appearance the two may be the same. What differs must
 be modules of the entity with the fault, each proven equal to its original by Yosys: every register that has a name, and
-every port, matched by name and proven by induction over eight clocks. Their initial values must be the same.
+every port, matched by name and proven by induction over eight clocks. Their initial values must be the same. Of an
+entity that none of them holds nothing is proven.
 """
 
+import contextlib
 import re
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from gravcomp.errors import InputError
-from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
+from gravcomp_lab.formal.claims import CLAIMS
+from gravcomp_lab.synthesis.verilog import analysed, handwritten_sources, rtl_sources, synthesised
 from gravcomp_lab.synthesis.yosys import RUNNER
 
-TOP = "gc_serial_system"  # holds every entity
-CONFIGURATIONS = tuple(
-    {"lanes_g": lanes, "loadable_g": loadable} for lanes in (1, 4, 20) for loadable in ("true", "false")
+TOP = "gc_serial_system"
+_GUARDS = ("two_paths_g", "brake_feedback_g", "brake_test_g", "guard_g", "twin_g")
+SYSTEMS: tuple[Mapping[str, int | str], ...] = (
+    *({"lanes_g": lanes, "loadable_g": loadable} for lanes in (1, 4, 20) for loadable in ("true", "false")),
+    {"lanes_g": 4, **dict.fromkeys(_GUARDS, "true")},
 )
 TIMEOUT_S = 60.0
 _LOWER = (
@@ -30,9 +36,35 @@ _COMPARE = (
 
 
 def write_originals(rtl: Path, folder: Path) -> None:
-    """The Verilog of rtl in each configuration, into a folder, for proof."""
-    for number, generics in enumerate(CONFIGURATIONS):
-        to_verilog(rtl_sources(rtl), TOP, generics, folder / f"{number}.v")
+    """The Verilog of rtl into a folder, for proof: the system as of SYSTEMS; each entity that none of them holds by
+    itself, with its defaults and with the generics of the claims about it.
+    """
+    with analysed(rtl_sources(rtl)) as library:
+        for generics in SYSTEMS:
+            _write(library, TOP, generics, folder)
+        held = {module for file in folder.glob("*.v") for module in _modules(file.read_text())}
+        for entity in _entities(rtl):
+            if not any(_is_of(entity, module) for module in held):
+                for generics in ({}, *(claim.generics for claim in CLAIMS if claim.entity == entity)):
+                    # What only another machine's ROM uses may have no netlist with this one: nothing is proven of it.
+                    with contextlib.suppress(InputError):
+                        _write(library, entity, generics, folder)
+
+
+def _entities(rtl: Path) -> list[str]:
+    sources = handwritten_sources(rtl).items()
+    return [name for name, file in sources if re.search(rf"^entity {name} is$", file.read_text(), re.MULTILINE)]
+
+
+def _write(library: str, top: str, generics: Mapping[str, int | str], folder: Path) -> Path:
+    """The Verilog of a top, in a file whose name tells it and its generics."""
+    name = "-".join([top, *(f"{name}={value}" for name, value in generics.items())])
+    return synthesised(library, top, generics, folder / f"{name}.v")
+
+
+def _is_of(entity: str, module: str) -> bool:
+    """Whether a module is an entity; behind the name stands what tells its generics."""
+    return re.fullmatch(rf"{entity}(_[\da-f_]+)?", module) is not None
 
 
 def proof(originals: Path, mutated: Path, entity: str, work: Path) -> str:
@@ -40,26 +72,35 @@ def proof(originals: Path, mutated: Path, entity: str, work: Path) -> str:
 
     originals: folder of write_originals. work: folder of intermediate files.
     """
-    proven = set()
-    for number, generics in enumerate(CONFIGURATIONS):
-        files = originals / f"{number}.v", work / f"{number}.v"
-        try:
-            to_verilog(rtl_sources(mutated), TOP, generics, files[1])
-        except InputError:
-            return ""
-        gold, gate = (_modules(file.read_text()) for file in files)
-        if gold.keys() != gate.keys():
-            return ""
+    with contextlib.suppress(InputError), analysed(rtl_sources(mutated)) as library:
+        return _proof(originals, library, entity, work)
+    return ""
+
+
+def _proof(originals: Path, library: str, entity: str, work: Path) -> str:
+    """As of proof, of the analysed VHDL with the fault; InputError when GHDL refuses."""
+    proven, is_package, is_held = set(), entity.endswith("_pkg"), False
+    for original in sorted(originals.glob("*.v")):
+        gold = _modules(original.read_text())
         # A module of another entity is what it was: its file is the same, and its name tells its generics.
-        own = rf"{entity}(_[\da-f_]+)?" if not entity.endswith("_pkg") else ".*"
-        differing = [name for name in gold if gate[name] != gold[name] and re.fullmatch(own, name)]
-        if differing and entity.endswith("_pkg"):
+        own = [module for module in gold if is_package or _is_of(entity, module)]
+        if not own:
+            continue
+        is_held = True
+        top, *settings = original.stem.split("-")
+        changed = _write(library, top, dict(setting.split("=") for setting in settings), work)
+        gate = _modules(changed.read_text())
+        differing = [module for module in own if gate.get(module) != gold[module]]
+        if gold.keys() != gate.keys() or (differing and is_package):
             return ""
-        for name in differing:
-            if name not in proven and (_initial(gold[name]) != _initial(gate[name]) or not _equal(*files, name, work)):
+        for module in differing:
+            same_start = _initial(gold[module]) == _initial(gate[module])
+            if module not in proven and not (same_start and _equal(original, changed, module, work)):
                 return ""
-            proven.add(name)
-    return f"Yosys: {entity} equal, by induction" if proven else "the same netlist"
+            proven.add(module)
+    if proven:
+        return f"Yosys: {entity} equal, by induction"
+    return "the same netlist" if is_held else ""
 
 
 def _modules(verilog: str) -> dict[str, str]:

@@ -1,6 +1,7 @@
 """What became of each fault, kept in a table: a fault is tried again only when what its verdict rests on has changed.
 
-A verdict rests on the entity's file, on the test that caught the fault, or on all tests that did not, and on the tool.
+A verdict rests on the entity's file, on the test that caught the fault, or on all tests that did not, and on the tool,
+of which the proof that nothing changes has no part in a fault that was caught.
 """
 
 import csv
@@ -16,7 +17,8 @@ from gravcomp_lab.mutation.trial import CAUGHT, Outcome, relevant_tests
 from gravcomp_lab.synthesis.verilog import source_of
 
 _COLUMNS = ("entity", "line", "kind", "good", "bad", "result", "test", "seconds", "key")
-_TOOL = ("mutants.py", "trial.py", "equivalence.py")
+_TOOL = ("mutants.py", "trial.py")
+_PROOF = "equivalence.py"
 
 
 class Verdicts:
@@ -64,7 +66,8 @@ class Verdicts:
         tests = [outcome.test] if outcome.result == CAUGHT else relevant_tests(entity, root / "rtl", root / "tb")
         files = [source_of(root / "rtl", entity), *dict.fromkeys(root / "tb" / file_of(test) for test in tests)]
         files += [root / "tb" / "formal" / f"{c.checker}.sv" for c in CLAIMS for test in tests if f"[{c.name}]" in test]
-        files += [Path(__file__).with_name(name) for name in _TOOL]
+        tool = _TOOL if outcome.result == CAUGHT else (*_TOOL, _PROOF)
+        files += [Path(__file__).with_name(name) for name in tool]
         return hashlib.sha256("".join(self._digest(file) for file in files).encode()).hexdigest()[:16]
 
     def _digest(self, file: Path) -> str:

@@ -3,7 +3,8 @@
 import re
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from gravcomp.errors import InputError
@@ -39,16 +40,27 @@ def handwritten_sources(rtl: Path) -> dict[str, Path]:
     return {path.stem: path for path in rtl_sources(rtl) if path.parent.name not in ("generated", "registers")}
 
 
-def to_verilog(sources: Sequence[Path], top: str, generics: Mapping[str, int], out: Path) -> Path:
+def to_verilog(sources: Sequence[Path], top: str, generics: Mapping[str, int | str], out: Path) -> Path:
     """Write the Verilog of entity top with its generics set to the file out; returns out.
 
     Raises InputError when GHDL refuses, or when its Verilog holds something that repair does not know to be right.
     """
-    with tempfile.TemporaryDirectory() as work:
-        options = ["--std=08", f"--workdir={work}"]
-        _ghdl(["-a", *options, *(str(path.resolve()) for path in sources)], work)
-        settings = [f"-g{name}={value}" for name, value in generics.items()]
-        text = _ghdl(["--synth", *options, "--out=verilog", *settings, top], work)
+    with analysed(sources) as library:
+        return synthesised(library, top, generics, out)
+
+
+@contextmanager
+def analysed(sources: Sequence[Path]) -> Iterator[str]:
+    """A folder with GHDL's library of these files, for any number of tops; InputError when GHDL refuses."""
+    with tempfile.TemporaryDirectory() as library:
+        _ghdl(["-a", "--std=08", f"--workdir={library}", *(str(path.resolve()) for path in sources)], library)
+        yield library
+
+
+def synthesised(library: str, top: str, generics: Mapping[str, int | str], out: Path) -> Path:
+    """As of to_verilog, of a library that is analysed."""
+    settings = [f"-g{name}={value}" for name, value in generics.items()]
+    text = _ghdl(["--synth", "--std=08", f"--workdir={library}", "--out=verilog", *settings, top], library)
     write_atomically(out, repair(text))
     return out
 
