@@ -87,6 +87,91 @@ def test_joints_that_are_no_axes_are_told_to_stand(tmp_path):
     assert drafted["model"]["held"] == {"turn": 0.0, "reach": 0.0}
 
 
+LINKS = "".join(
+    f'<link name="{name}"><inertial><origin xyz="0.1 0 0"/><mass value="1"/>'
+    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    for name in ("base", "a", "b", "c")
+)
+
+
+def urdf(*joints: str, more: str = "") -> str:
+    """A chain of the links base, a, b, c; joints: type and what stands in the element, by space."""
+    chain, parents = "", ("base", "a", "b")
+    for parent, child, joint in zip(parents, ("a", "b", "c"), joints, strict=False):
+        kind, _, inside = joint.partition(" ")
+        ends = f'<parent link="{parent}"/><child link="{child}"/><axis xyz="0 1 0"/>'
+        chain += f'<joint name="to {child}" type="{kind}">{ends}{inside}</joint>'
+    return f'<robot name="r">{LINKS}{chain}{more}</robot>'
+
+
+LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+WIDE = '<limit lower="-6.2832" upper="6.2832" effort="1" velocity="1"/>'
+
+
+def test_ranges_of_a_urdf_are_asked_for_where_it_has_none_and_its_joints_do_not_turn_for_ever(tmp_path):
+    """Revolute needs limits, in the file or not; continuous needs none; two turns show every pose twice."""
+    (tmp_path / "a.urdf").write_text(urdf("revolute", "continuous", f"revolute {WIDE}"))
+    text = draft_toml(tmp_path / "a.urdf")
+    revolute, continuous, wide = text.split("[[axis]]")[1:]
+    assert "#? low =" in revolute
+    assert "#? high =" in revolute
+    assert "sin_cos" not in revolute
+    assert "low" not in continuous
+    assert 'input = "sin_cos"' in continuous
+    assert tomllib.loads(wide)["input"] == "sin_cos"
+    assert tomllib.loads(wide)["high"] == 6.2832
+
+
+def test_name_space_of_xacro_alone_does_not_make_a_source_of_it(tmp_path):
+    text = urdf(f"revolute {LIMIT}").replace('name="r"', 'name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"')
+    (tmp_path / "a.urdf").write_text(text)
+    assert tomllib.loads(draft_toml(tmp_path / "a.urdf"))["axis"][0]["joint"] == "to a"
+
+
+XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+FILES = {
+    "a.urdf.xacro": (f'<robot name="r" {XACRO}><xacro:arm n="a"/></robot>', "a source for xacro; `xacro "),
+    "value.urdf": (urdf(f"revolute {LIMIT}").replace('value="1"', 'value="${m}"'), "a source for xacro; `xacro "),
+    "a.model": (urdf(f"revolute {LIMIT}"), "copy it to a.urdf"),
+    "a.sdf": ("<sdf version='1.6'/>", "begins with <sdf>, not with <robot> of a URDF"),
+    "two.urdf": (urdf(f"revolute {LIMIT}") * 2, "no XML (junk after document element: line 1"),
+    "empty.urdf": ("", "no XML (no element found"),
+    "mimic.urdf": (urdf(f"revolute {LIMIT}", f'revolute {LIMIT}<mimic joint="none"/>'),
+                   "joint 'to b' mimics 'none', which is no joint that moves"),
+    "fixed.urdf": (urdf("fixed", f'revolute {LIMIT}<mimic joint="to a"/>'), "joint 'to b' mimics 'to a'"),
+    "unnamed.xml": (mjcf(body("arm", 'axis="0 1 0" range="-1 1"', 1.0, "0.1 0 0")),
+                    "a joint of body 'arm' has no name; give it one"),
+    "mesh.xml": (mjcf('<body name="a"><joint name="j"/><geom type="mesh" mesh="m"/></body>',
+                      '<asset><mesh name="m" file="m.stl"/></asset>'), "mesh.xml: body 'a' has its mass from a mesh"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_file_of_another_kind_is_told_what_to_make_of_it(name, tmp_path, capsys):
+    text, words = FILES[name]
+    (tmp_path / name).write_text(text)
+    refused(tmp_path / name, words, capsys)
+
+
+def test_names_that_are_not_utf_8_are_refused_by_line(tmp_path, capsys):
+    text = '<?xml version="1.0" encoding="ISO-8859-1"?>\n' + urdf(f"revolute {LIMIT}").replace("to a", "zur Säge")
+    (tmp_path / "a.urdf").write_bytes(text.encode("latin-1"))
+    refused(tmp_path / "a.urdf", "a.urdf: line 2 is not UTF-8", capsys)
+
+
+def test_folder_is_no_robot(tmp_path, capsys):
+    refused(tmp_path, "not a file; put the URDF or MJCF there, or correct its name", capsys)
+
+
+def refused(file, words, capsys, axes=()):
+    """One line, exit status 2, nothing written."""
+    assert main(["new", str(file.parent / "p"), "--from", str(file), *axes]) == 2
+    complaint = capsys.readouterr().err
+    assert complaint.count("\n") == 1
+    assert words in complaint
+    assert not (file.parent / "p").exists()
+
+
 @pytest.mark.parametrize(
     ("axes", "text", "words"),
     [
@@ -114,8 +199,4 @@ def test_joints_that_are_no_axes_are_told_to_stand(tmp_path):
 def test_file_that_gives_no_robot_is_refused_in_one_line(tmp_path, axes, text, words, capsys):
     if text:
         (tmp_path / "a.xml").write_text(text)
-    assert main(["new", str(tmp_path / "p"), "--from", str(tmp_path / "a.xml"), *axes]) == 2
-    complaint = capsys.readouterr().err
-    assert complaint.count("\n") == 1
-    assert words in complaint
-    assert not (tmp_path / "p").exists()
+    refused(tmp_path / "a.xml", words, capsys, axes)

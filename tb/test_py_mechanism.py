@@ -278,8 +278,8 @@ BAD = {
     "axis is no number": (ONE.replace("0 1 0", "nan 1 0"), {"j": ""}, '<joint> axis="nan 1 0" is not a number'),
     "negative mass": (ONE.replace('mass="1.0"', 'mass="-1"'), {"j": ""}, "body 'a' has mass -1 kg"),
     "unit clash": (ONE, {"j": LINEAR}, "counts_per_turn is missing; the axis moves in rad, counts_per_m is of"),
-    "not XML": ("<mujoco", {"j": ""}, "not a URDF or MJCF that MuJoCo reads"),
-    "another XML": ("<svg/>", {"j": ""}, "not a URDF or MJCF that MuJoCo reads"),
+    "not XML": ("<mujoco", {"j": ""}, "not a URDF or MJCF: no XML"),
+    "another XML": ("<svg/>", {"j": ""}, "begins with <svg>, not with <robot> of a URDF or <mujoco> of an MJCF"),
     "mass from a mesh": (
         mjcf('<body name="a"><joint name="j"/><geom type="mesh" mesh="m"/></body>',
              '<asset><mesh name="m" file="m.stl"/></asset>'),
@@ -307,6 +307,32 @@ BAD = {
         mjcf(LOOP + '<body name="ball"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>'),
         {"j": ""},
         "body 'ball' floats",
+    ),
+    "swinging": (
+        mjcf(body("a", HINGE + ' range="-1 1"', 1.0, inside=body("b", 'type="ball"', 1.0, "0 0 0.1", "0.3 0 0"))),
+        {"j": ""},
+        "body 'b' swings on a ball joint: no loop ties it",
+    ),
+    "axes tied to one another": (
+        mjcf(body("a", HINGE + ' range="-1 1"', 1.0, "0.1 0 0") + body("b", 'name="k" range="-1 1"', 1.0, "0.1 0 0"),
+             '<equality><joint joint1="k" joint2="j" polycoef="0.1 -1 0 0 0"/></equality>'),
+        {"j": "", "k": ""},
+        "a loop or mimic ties 'k' and 'j', and all of them are axes; leave one out",
+    ),
+    "range that ends before it begins": (
+        mjcf(body("a", HINGE + ' range="1 -1"', 1.0, "0.1 0 0")),
+        {"j": "low = -1\nhigh = 1"},
+        "joint 'j': its range 1 .. -1 ends before it begins",
+    ),
+    "no gravity": (
+        mjcf(body("a", HINGE + ' range="-1 1"', 1.0, "0.1 0 0"), '<option gravity="0 0 0"/>'),
+        {"j": ""},
+        "gravity is zero: nothing is to be held; give m/s^2 here, or in the file's <option>",
+    ),
+    "axis that bears nothing": (
+        mjcf(body("a", 'name="j" axis="0 0 1" range="-1 1"', 1.0, "0.1 0 0")),
+        {"j": ""},
+        "no axis bears a load at any of 3500 poses: nothing is to be held",
     ),
 }  # fmt: skip
 

@@ -19,7 +19,7 @@ from gravcomp.robot.spheiro.statics import holding_forces
 from gravcomp.robot.spheiro.workspace import pose
 from gravcomp.training.largest_error import largest_error
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, levenberg_marquardt
-from gravcomp.training.scaling import workspace_scaling
+from gravcomp.training.scaling import effort_scale, workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws, random_hidden
 from gravcomp.training.symmetry import cyclic_images, cyclic_tie, is_cyclic
 from gravcomp.training.training import (
@@ -223,6 +223,15 @@ def test_unwritable_folder_is_an_input_error(tmp_path):
 
 def test_parallel_runs_keep_their_order():
     assert run_parallel(divmod, [(n, 3) for n in range(7)], "threading", "test") == [divmod(n, 3) for n in range(7)]
+
+
+def test_scale_leaves_bits_for_all_axes_beside_a_load_that_hardly_changes():
+    """A lift with a constant load: y is (f - offset) / scale of every axis in one format, and holds offset / scale."""
+    half, middle = np.array([0.1, 15.0]), np.array([39.24, 0.0])
+    scale = effort_scale(half, middle, ("m", "rad"))
+    assert (np.abs(middle) / scale).max() <= 4.0
+    assert scale[1] == 15.0
+    assert effort_scale(half, 0 * middle, ("rad", "rad")).tolist() == [15.0, 15.0]
 
 
 def planar_waves(n_poses: int):

@@ -21,8 +21,8 @@ def retrained(network: Network, data: TrainingSet, drive: Drive, rounds: int = _
     when the hardware cannot hold the weights.
     """
     low, high = data.f.min(axis=0), data.f.max(axis=0)
-    f_scale = effort_scale(_MARGIN * (high - low) / 2, network.position_units)
     middle = (high + low) / 2
+    f_scale = effort_scale(_MARGIN * (high - low) / 2, middle, network.position_units)
     scaling = Scaling(network.q_offset, network.q_scale, middle, f_scale, network.position_units, network.inputs)
     problem = Problem(scaling.x(data.q), scaling.y(data.f), network.n_hidden, ACTIVATIONS["gamma"], ridge=RIDGE)
     hidden = np.c_[network.hidden_weights, network.hidden_bias]

@@ -12,6 +12,7 @@ from gravcomp.network.inputs import POSITION, SIN_COS, inputs_of
 from gravcomp.robot.machine import Machine
 
 _LEAST_SHARE = 1.0 / 64.0  # of the largest scale of efforts: all have one format in hardware
+_OFFSET_SHARE = 1.0 / 4.0  # of an offset: one format holds y with it, and bits for a large one are lost to all axes
 
 
 @dataclass(frozen=True)
@@ -50,23 +51,25 @@ def workspace_scaling(machine: Machine) -> Scaling:
             f"which reaches from {bounds.q_least[k]:.6g} to {bounds.q_most[k]:.6g} {machine.axes[k].unit}; widen it, "
             "or make [workspace] smaller"
         )
-    half = (bounds.f_high - bounds.f_low) / 2.0
+    half, middle = (bounds.f_high - bounds.f_low) / 2.0, (bounds.f_high + bounds.f_low) / 2.0
     turns = np.array([kind == SIN_COS for kind in machine.inputs])
     return Scaling(
         q_offset=np.where(turns, 0.0, (high + low) / 2.0),
         q_scale=np.where(turns, 1.0, 2.0 / (high - low)),
-        f_offset=(bounds.f_high + bounds.f_low) / 2.0,
-        f_scale=effort_scale(half, machine.position_units),
+        f_offset=middle,
+        f_scale=effort_scale(half, middle, machine.position_units),
         position_units=machine.position_units,
         inputs=machine.inputs,
     )
 
 
-def effort_scale(half: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
+def effort_scale(half: np.ndarray, middle: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
     """One scale per unit: an N or N m counts the same on every axis, so that the RMS error over all of them is least.
 
-    Where nothing in a unit bears a load it is 1, or what the common format of all scales can hold.
+    half, middle (n,): of the range of efforts. Where nothing in a unit bears a load the scale is 1, or what the common
+    format of all scales can hold.
     """
+    half = np.maximum(half, _OFFSET_SHARE * np.abs(middle))
     largest = {unit: max(h for h, own in zip(half, units, strict=True) if own == unit) for unit in units}
     least = _LEAST_SHARE * max(largest.values())
     return np.array([max(largest[unit], least) or 1.0 for unit in units])

@@ -81,11 +81,22 @@ def workspace_set(n_poses: int, robot: Robot, seed: int) -> TrainingSet:
 def training_and_test_set(n_poses: int, robot: Robot, seed: int) -> tuple[TrainingSet, TrainingSet]:
     """n_poses random poses of the workspace, and N_TEST_POSES other ones.
 
-    Of a workspace that is a list at most so many of its rows, a fifth of all for the test. Raises InputError.
+    Of a workspace that is a list at most so many of its rows, a fifth of all for the test. Raises InputError, also
+    where no axis bears a load.
     """
     rows = robot.rows if isinstance(robot, HasRows) else None
     if rows is None:
-        return workspace_set(n_poses, robot, seed), workspace_set(N_TEST_POSES, robot, seed + 1)
+        data, unseen = workspace_set(n_poses, robot, seed), workspace_set(N_TEST_POSES, robot, seed + 1)
+    else:
+        data, unseen = _split(rows, n_poses, robot, seed)
+    if not data.f.any():
+        raise InputError(f"no axis bears a load at any of {len(data.q)} poses: nothing is to be held; correct the "
+                         "robot's gravity or masses")  # fmt: skip
+    return data, unseen
+
+
+def _split(rows: np.ndarray, n_poses: int, robot: Robot, seed: int) -> tuple[TrainingSet, TrainingSet]:
+    """At most n_poses of all poses rows (N, n), and a fifth of them for the test. Raises InputError."""
     _check_request(n_poses, seed)
     n_test = min(N_TEST_POSES, len(rows) // 5)
     if n_test < 1:

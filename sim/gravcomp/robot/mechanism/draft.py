@@ -1,8 +1,10 @@
 """robot.toml from a URDF or MJCF: axes, ranges and units as the file has them, and by name what it does not tell."""
 
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
+from xml.etree import ElementTree
 
 from gravcomp.errors import InputError
 from gravcomp.robot.machine import EFFORT_UNITS, MAX_AXES
@@ -33,6 +35,9 @@ _COUNTS = {
 }
 
 
+_TURN = 0.999 * 2.0 * math.pi
+
+
 def draft_toml(path: Path, axes: Sequence[str] = ()) -> str:
     """robot.toml of the robot in a file. axes: joints with a motor, in the core's order, where not all that can be.
 
@@ -41,6 +46,7 @@ def draft_toml(path: Path, axes: Sequence[str] = ()) -> str:
     tree = Tree(compile_model(path))
     chosen = _named(tree, axes, path) if axes else _with_motor(tree, path)
     held = [k for k in _free_joints(tree, chosen, path) if k not in chosen]
+    _check_names(tree, [*chosen, *held], path)
     _check(tree, chosen, path)
     body = tree.bodies[last_body(tree, tree.model.jnt_dofadr[chosen])]
     words = {"file": path.name, "name": path.stem, "body": body}
@@ -48,7 +54,8 @@ def draft_toml(path: Path, axes: Sequence[str] = ()) -> str:
     if held:
         lines = [f"{json.dumps(tree.joints[k])} = {float(zero_pose(tree)[tree.model.jnt_qposadr[k]])!r}" for k in held]
         sections.append("\n".join(["[model.held]                    # these stand still", *lines, ""]))
-    sections += [_axis_toml(tree.joints[k], joint_limits(tree, k)) for k in chosen]
+    bounded = _bounded(path)
+    sections += [_axis_toml(name, joint_limits(tree, k), name in bounded) for k in chosen for name in [tree.joints[k]]]
     return "\n".join(sections)
 
 
@@ -62,14 +69,31 @@ def _check(tree: Tree, axes: list[int], path: Path) -> None:
     from_table({"model": {"file": path.name}, "axis": entries}, str(path))
 
 
-def _axis_toml(joint: str, limits: Limits) -> str:
+def _check_names(tree: Tree, joints: Sequence[int], path: Path) -> None:
+    for joint in joints:
+        if not tree.joints[joint]:
+            body = tree.bodies[tree.model.jnt_bodyid[joint]]
+            raise InputError(
+                f"{path}: a joint of body {body!r} has no name; give it one, robot.toml knows joints by name"
+            )
+
+
+def _bounded(path: Path) -> set[str]:
+    """Joints of a URDF that do not turn for ever, whether it gives their limits or not."""
+    root = ElementTree.parse(path).getroot()
+    return {joint.get("name") for joint in root.findall("joint") if joint.get("type") == "revolute"}
+
+
+def _axis_toml(joint: str, limits: Limits, is_bounded: bool) -> str:
     lines = ["[[axis]]", f"joint = {json.dumps(joint)}"]
     if limits.range:
         lines += [f"low = {limits.range.low!r}", f"high = {limits.range.high!r}"]
-    elif limits.unit == "rad":
+        if limits.unit == "rad" and limits.range.high - limits.range.low > _TURN:
+            lines.append('input = "sin_cos"               # more than a turn: efforts repeat')
+    elif limits.unit == "rad" and not is_bounded:
         lines.append('input = "sin_cos"               # it turns without limit')
     else:
-        lines += ["#? low =                        # m: the file has no limits", "#? high ="]
+        lines += [f"#? low =                        # {limits.unit}: the file has no limits", "#? high ="]
     lines.append(f"#? {_COUNTS[limits.unit]}")
     lines.append(f"#? effort_per_ampere =          # {EFFORT_UNITS[limits.unit]}/A, gear included")
     lines.append("index_period = 0                # counts between index marks; 0: one mark")

@@ -18,7 +18,7 @@ from gravcomp.robot.fields import finite, text
 from gravcomp.robot.mechanism.closure import Closed, Closure, driven_loops
 from gravcomp.robot.mechanism.outward import holding_efforts
 from gravcomp.robot.mechanism.source import compile_model, sources
-from gravcomp.robot.mechanism.tree import FREE, HINGE, SLIDE, Placement, Tree
+from gravcomp.robot.mechanism.tree import BALL, FREE, HINGE, SLIDE, Placement, Tree
 from gravcomp.robot.protocol import Bounds, Formula, PoseError
 from gravcomp.robot.ranges import (
     Box,
@@ -278,6 +278,11 @@ def _with_loops(robot: Mechanism, where: str) -> Mechanism:
     loops = driven_loops(robot.tree, robot.axes, where)
     if not loops:
         return robot
+    for loop in loops:
+        tied = list(dict.fromkeys(robot.tree.dof_joint[loop.dofs]))
+        if len(tied) > 1 and np.isin(loop.dofs, robot.axes).all():
+            names = " and ".join(repr(robot.tree.joints[joint]) for joint in tied)
+            raise InputError(f"{where}: a loop or mimic ties {names}, and all of them are axes; leave one out")
     closure = Closure(robot.tree, loops, robot.axes, robot.reference, where)
     return ClosedMechanism(**{**vars(robot), "reference": closure.reference}, closure=closure)
 
@@ -324,7 +329,7 @@ def _gravity(tree: Tree, model: Mapping, where: str) -> np.ndarray:
         raise InputError(f"{where} gravity = {value!r} is not three numbers; give m/s^2 in the base frame")
     gravity = np.array([finite({"gravity": one}, where, "gravity") for one in value])
     if not gravity.any():
-        raise InputError(f"{where} gravity is zero: nothing is to be held; give m/s^2 in the base frame")
+        raise InputError(f"{where} gravity is zero: nothing is to be held; give m/s^2 here, or in the file's <option>")
     return gravity
 
 
@@ -345,12 +350,13 @@ def _last_body(tree: Tree, model: Mapping, axes: np.ndarray, where: str) -> int:
 
 
 def _check_floating(robot: Mechanism, where: str) -> None:
-    """A body on a free joint must be held by loops."""
+    """A body on a free or ball joint must be held by loops."""
     m = robot.tree.model
-    for joint in np.flatnonzero(m.jnt_type == FREE):
+    for joint in np.flatnonzero(np.isin(m.jnt_type, [FREE, BALL])):
         if m.jnt_dofadr[joint] not in robot.moving_dofs:
             body = robot.tree.bodies[m.jnt_bodyid[joint]]
-            raise InputError(f"{where}: body {body!r} floats: no loop ties it to the axes; fix it, or close the loop")
+            how = "floats" if m.jnt_type[joint] == FREE else "swings on a ball joint"
+            raise InputError(f"{where}: body {body!r} {how}: no loop ties it to the axes; fix it, or close the loop")
 
 
 def _check_motion(robot: Mechanism, entries: list[Mapping], where: str) -> None:

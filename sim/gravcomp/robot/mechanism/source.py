@@ -5,6 +5,7 @@ as in MuJoCo; a link of a URDF without <inertial> has none. Inertias are read fo
 """
 
 import math
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +18,8 @@ from gravcomp.errors import InputError, optional
 # Below what statics see; bodies without mass would not compile.
 MASSLESS_KG = 1e-12
 _NO_NUMBERS, _NAMES = ("nan", "inf", "infinity"), ("name", "class", "childclass", "file", "mesh", "link")
+_ROOTS = {"robot": (".urdf", ".xml"), "mujoco": (".xml",)}  # of a URDF and an MJCF, and how their files' names end
+_XACRO = re.compile(r"^\{https?://(www\.)?ros\.org/(wiki/)?xacro\}")
 _MASS_IN_GEOMETRY = ("MESH", "HFIELD", "SDF")
 
 
@@ -33,12 +36,13 @@ def compile_model(path: Path):
 def model_spec(path: Path, *, with_inertia: bool):
     """The mujoco.MjSpec of a file without its geometry, with its bodies' inertias or not. Raises InputError."""
     mujoco = engine()
-    if not path.is_file():
-        raise InputError(f"{path}: not found; put the URDF or MJCF there, or correct [model] file")
+    _check_kind(path)
     mujoco.set_mju_user_warning(lambda message: None)  # or the engine leaves a log file
     with _told(path):
         spec = mujoco.MjSpec.from_file(str(path))
         _check_numbers(path)
+        _check_mimics(path)
+        _check_limits(spec, path)
         _leave_mechanics(spec, path, mujoco, with_inertia)
     return spec
 
@@ -56,6 +60,8 @@ def _told(path: Path) -> Iterator[None]:
     """What MuJoCo says of a file, in one line."""
     try:
         yield
+    except InputError:
+        raise
     except (ValueError, UnicodeDecodeError) as error:
         message = " ".join(str(error).split())
         raise InputError(f"{path}: not a URDF or MJCF that MuJoCo reads ({message}); correct it") from error
@@ -71,6 +77,7 @@ def sources(path: Path) -> dict[str, bytes]:
             continue
         try:
             found[name] = file.read_bytes()
+            _check_encoding(file, found[name])
             included = [element.get("file", "") for element in ElementTree.fromstring(found[name]).iter("include")]
         except (OSError, ElementTree.ParseError) as error:
             raise InputError(f"{file}: cannot be read ({error}); correct or mend it") from error
@@ -84,6 +91,70 @@ def _beside(path: Path, name: str) -> Path:
     if not file.resolve().is_relative_to(path.parent.resolve()):
         raise InputError(f"{path}: includes {name}, outside its folder; put it beside, a machine folder is whole")
     return file
+
+
+def _check_kind(path: Path) -> None:
+    """What MuJoCo would misread, or refuse without saying what to do."""
+    if not path.is_file():
+        missing = "not a file" if path.exists() else "not found"
+        raise InputError(f"{path}: {missing}; put the URDF or MJCF there, or correct its name")
+    try:
+        root = ElementTree.parse(path).getroot()
+    except (OSError, ElementTree.ParseError) as error:
+        raise InputError(f"{path}: not a URDF or MJCF: no XML ({error}); correct it") from error
+    if _is_xacro(root):
+        made = path.name.removesuffix(".xacro").removesuffix(".urdf") + ".made.urdf"
+        raise InputError(f"{path}: a source for xacro; `xacro {path} > {made}` makes the URDF, give that")
+    if root.tag not in _ROOTS:
+        raise InputError(
+            f"{path}: begins with <{root.tag}>, not with <robot> of a URDF or <mujoco> of an MJCF; give one"
+        )
+    if path.suffix not in _ROOTS[root.tag]:
+        raise InputError(
+            f"{path}: MuJoCo knows files by the end of their name; copy it to {path.stem}{_ROOTS[root.tag][0]}"
+        )
+
+
+def _is_xacro(root: ElementTree.Element) -> bool:
+    """Whether macros are left in it; the name space alone often stays behind in a finished URDF."""
+    return any(
+        _XACRO.search(element.tag) or any("${" in value for value in element.attrib.values()) for element in root.iter()
+    )
+
+
+def _check_encoding(file: Path, content: bytes) -> None:
+    """MuJoCo takes names for UTF-8, whatever the XML declares."""
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"{file}: line {line} is not UTF-8, which MuJoCo takes it for; save the file as UTF-8"
+        ) from error
+
+
+def _check_mimics(path: Path) -> None:
+    """MuJoCo leaves a <mimic> of a joint that is not there out, and the follower goes its own way."""
+    root = ElementTree.parse(path).getroot()
+    joints = root.findall("joint") if root.tag == "robot" else []
+    names = {joint.get("name") for joint in joints if joint.get("type") in ("revolute", "continuous", "prismatic")}
+    for joint in joints:
+        mimic = joint.find("mimic")
+        if mimic is not None and mimic.get("joint") not in names:
+            raise InputError(
+                f"{path}: joint {joint.get('name')!r} mimics {mimic.get('joint')!r}, which is no joint that moves; "
+                "correct its name"
+            )
+
+
+def _check_limits(spec, path: Path) -> None:
+    """MuJoCo takes a range whose ends are exchanged for none."""
+    for joint in spec.joints:
+        low, high = joint.range
+        if low > high:
+            raise InputError(
+                f"{path}: joint {joint.name!r}: its range {low:g} .. {high:g} ends before it begins; correct it"
+            )
 
 
 def _leave_mechanics(spec, path: Path, mujoco, with_inertia: bool) -> None:
