@@ -401,6 +401,51 @@ PLANTED = [
         ("tx_phase <= tx_phase + baud_g;", "tx_phase <= 0;", "phase_goes_along"),
         ("in_ready <= '1' when tx_left = 0", "in_ready <= '1' when tx_left /= 1", "next_one_is_taken_when_all_is_sent"),
     ]),
+    ("uart_received", "gc_uart", [
+        ("rx_data <= majority & rx_data", "rx_data <= not majority & rx_data", "what_comes_is_what_was_sent"),
+    ]),
+    ("uart_received", "gc_uart", [
+        ("            rx_valid <= '1';", "            rx_valid <= '0';", "one_has_come_before_the_next_is_taken"),
+    ]),
+    ("biss", "gc_biss", [
+        ("crc /= left_c or word(1) = '0' or", "word(1) = '0' or", "only_a_right_frame_is_taken"),
+        ("signed(word(data_bits_c - 1 downto 2))", "signed(word(data_bits_c - 2 downto 2))",
+         "position_is_that_of_the_frame"),
+        ("sts_warning <= not word(0);", "sts_warning <= word(0);", "warning_is_that_of_the_frame"),
+        ("        if slo(0) = '0' then\n          bad_v := '1';", "        if slo(0) = '0' then", "low_line_is_told"),
+        ("        sts_error <= '1';\n        out_known <= '0';", "        sts_error <= '1';",
+         "unknown_with_a_new_error"),
+        ("= rest then\n        ma <= '1';", "= rest then\n        ma <= '0';", "line_is_high_without_a_frame"),
+    ]),
+    ("biss", "gc_biss", [
+        ("              out_valid <= '1';\n", "", "position_holds_between_frames"),
+        ("if cfg_clear = '1' then", "if in_valid = '1' then", "error_lasts_until_it_is_cleared"),
+        ("clocks = half_clocks_g - 1 then", "clocks = half_clocks_g - 2 then", "line_rests_between_frames"),
+        ("            good <= '0';", "            good <= '1';", "every_frame_ends_in_a_position_or_an_error"),
+    ]),
+    ("biss", "gc_biss", [
+        ("out_known <= '0';\n      end if;\n\n      if rst", "out_known <= '1';\n      end if;\n\n      if rst",
+         "unknown_until_a_frame_is_right"),
+        ("waits <= waits + 1;", "waits <= waits;", "frame_ends_in_time"),
+    ]),
+    ("biss", "gc_biss", [
+        ("out_known <= '0';\n      end if;\n\n      if rst", "out_known <= '1';\n      end if;\n\n      if rst",
+         "every_frame_ends_in_a_position_or_unknown"),
+    ]),
+    ("adc_spi", "gc_adc_spi", [
+        ("clocks = half_clocks_g - 1 then", "clocks = half_clocks_g - 2 then", "half_a_period_is_whole"),
+        ("state = high and bits /= frame_bits_g - 1)", "state = high and bits /= frame_bits_g - 2)",
+         "frames_are_whole"),
+        ("gap = gap_clocks_g then", "gap = gap_clocks_g - 1 then", "frames_are_apart"),
+        ("state <= trail;", "state <= trail;\n          pin_mosi <= not send(0);", "data_change_as_the_clock_falls"),
+        ("sense_valid <= (others => '0');\n      if", "if", "one_code_at_a_time"),
+        ("errors <= errors + 1;", "errors <= errors + 2;", "errors_are_counted_one_by_one"),
+    ]),
+    ("adc_spi", "gc_adc_spi", [
+        ("      pin_sclk <= '1';\n        elsif", "      pin_sclk <= '0';\n        elsif",
+         "clock_rests_high_between_frames"),
+        ("            sense_valid(i) <= '1';\n", "", "currents_hold_between_codes"),
+    ]),
     ("modbus", "gc_modbus", [
         ("or length < shortest_c or unsigned(crc) /= 0 then", "or length < shortest_c then",
          "only_a_right_frame_is_carried_out"),

@@ -176,7 +176,6 @@ begin
           if waits = start_periods_g - 1 then
             bad_v := '1';
             good <= '0';
-            resting <= 0;
             state <= rest;
           end if;
         elsif state = cds then
@@ -192,17 +191,16 @@ begin
             bits <= bits + 1;
           else
             good <= '1';
-            resting <= 0;
             state <= rest;
           end if;
         end if;
       end if;
 
       -- Judged when the line is back.
+      resting <= 0;
       if state = rest then
         resting <= resting + 1;
         if resting = rest_clocks_g - 1 then
-          resting <= 0;
           state <= idle;
           if good = '1' then
             if crc /= left_c or word(1) = '0' or slo(0) = '0' then

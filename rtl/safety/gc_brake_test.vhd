@@ -112,7 +112,6 @@ begin
       if first = '0' and second = '0' then
         next_axis <= axis(axes_c - 2 downto 0) & '0';
         next_done <= axis(axes_c - 1);
-        next_first <= not axis(axes_c - 1);
       end if;
     end if;
 

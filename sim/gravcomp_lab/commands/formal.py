@@ -44,6 +44,9 @@ the new one; so it does here, by the order of the edges.
 only after each was let go and held by either path alone. Codes of states and bits of causes come from the twin, which
 is compared with gc_safety_pkg.
 
+`biss` and `adc_spi` leave the level of the line free in every clock, at the shortest periods and frames; `biss` divides
+the bits that it read by the polynomial anew. `uart_received` has the port's own sender on the line.
+
 `speed_meter` runs with a time-out of five clocks, so that its clock has few values; only widths of counters depend on
 it. `friction` cuts both tables, so that any value may come out of them, and its product, which lies between its bounds.
 PDR was given up for `loader` (an image has some 6000 words) and `friction` after 30 s, for `bank_switch` (615 bits of

@@ -27,6 +27,9 @@ STATES = {state.name: int(state) for state in State}
 CAUSES = {name: int(Cause[name]) for name in ("SPEED", "COMMAND", "HOLD", "BRAKE", "UPSET")}
 # Numbers small enough for a search, which finds the run that breaks a claim; its own are proven by induction.
 SMALL = {"reversal_clocks_g": 6, "suspect_edges_g": 4, "dither_clocks_g": 8, "dither_edges_g": 4}
+BISS = {"position_bits_g": 2, "half_clocks_g": 2, "start_periods_g": 2, "rest_clocks_g": 3}
+ADC = {"channels_g": 2, "code_bits_g": 8, "id_bits_g": 1, "frame_bits_g": 9, "command_g": 0, "channel_shift_g": 0,
+       "half_clocks_g": 3, "gap_clocks_g": 2}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -105,6 +108,9 @@ CLAIMS = (
         )
         for parity, bits, odd in ((0, 10, 0), (1, 11, 1), (2, 11, 0))
     ),
+    Claim("uart_received", "gc_uart", {"clock_hz_g": 8, "baud_g": 1}),
+    Claim("biss", "gc_biss", BISS, dict(zip(("BITS", "HALF", "PERIODS", "REST"), BISS.values(), strict=True))),
+    Claim("adc_spi", "gc_adc_spi", ADC, {"HALF": ADC["half_clocks_g"], "GAP": ADC["gap_clocks_g"]}),
     Claim("modbus", "gc_modbus", {"gap_clocks_g": 2, "bus_clocks_g": 3}, cuts=("fetched",), induction=1),
     Claim("lockstep", "gc_lockstep", {"bits_g": 4}, {"BITS": 4}),
     Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),

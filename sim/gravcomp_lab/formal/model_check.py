@@ -167,6 +167,24 @@ def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[st
     return int(found[1]) + 1
 
 
+def same_at_ports(gold: Path, gate: Path, top: str, out: Path, timeout_s: int) -> bool:
+    """Whether a module of two Verilog files is proven to be the same at its ports, from power-up on, for every input.
+
+    Registers may differ, which no matching of their names allows. False where there is no proof in the time given.
+    Raises InputError when Yosys fails.
+    """
+    graph, passes = out / "miter.aig", []
+    for name, verilog in (("gold", gold), ("gate", gate)):
+        passes += [f"read_verilog {verilog.resolve()}", f"hierarchy -check -top {top}", "proc -latches error"]
+        passes += ["flatten", "opt_clean", f"rename {top} {name}", f"design -stash {name}"]
+    passes += [f"design -copy-from {name} {name}" for name in ("gold", "gate")]
+    passes += ["miter -equiv -flatten -make_assert gold gate miter", "hierarchy -top miter"]
+    passes += _TO_GRAPH.format(cuts="", clocks=_ONE_CLOCK).split("; ")
+    run_passes([*passes, f"write_aiger -I -B -zinit -no-startoffset {graph.name}"], graph.with_suffix(".log"))
+    log = _abc(f"read_aiger {graph}; fold; strash; scorr; pdr -a -T {timeout_s}", out / "miter-pdr.log")
+    return "Proved output" in log or "Property proved" in log
+
+
 def _write_graph(
     verilog: Path,
     checker: Path,

@@ -2,8 +2,9 @@
 
 First the texts: with intermediate values numbered by their first appearance the two may be the same. What differs must
 be modules of the entity with the fault, each proven equal to its original by Yosys: every register that has a name, and
-every port, matched by name and proven by induction over eight clocks. Their initial values must be the same. Of an
-entity that none of them holds nothing is proven.
+every port, matched by name and proven by induction over eight clocks, with the same initial values; or, where registers
+differ, every port by property-directed reachability from power-up on. Of an entity that none of them holds nothing is
+proven.
 """
 
 import contextlib
@@ -15,6 +16,7 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp_lab.formal.claims import CLAIMS
+from gravcomp_lab.formal.model_check import same_at_ports
 from gravcomp_lab.synthesis.verilog import analysed, handwritten_sources, rtl_sources, synthesised
 from gravcomp_lab.synthesis.yosys import RUNNER
 
@@ -25,6 +27,7 @@ SYSTEMS: tuple[Mapping[str, int | str], ...] = (
     {"lanes_g": 4, **dict.fromkeys(_GUARDS, "true")},
 )
 TIMEOUT_S = 60.0
+PORTS_TIMEOUT_S = 60
 _LOWER = (
     "proc; flatten; opt_clean; opt -full; memory -nomap; dffunmap; opt_clean; "
     "rename -hide w:n*_o w:*.n*_o w:n*_q w:*.n*_q"
@@ -79,7 +82,7 @@ def proof(originals: Path, mutated: Path, entity: str, work: Path) -> str:
 
 def _proof(originals: Path, library: str, entity: str, work: Path) -> str:
     """As of proof, of the analysed VHDL with the fault; InputError when GHDL refuses."""
-    proven, is_package, is_held = set(), entity.endswith("_pkg"), False
+    proven, is_package, is_held, by_register = set(), entity.endswith("_pkg"), False, True
     for original in sorted(originals.glob("*.v")):
         gold = _modules(original.read_text())
         # A module of another entity is what it was: its file is the same, and its name tells its generics.
@@ -95,11 +98,15 @@ def _proof(originals: Path, library: str, entity: str, work: Path) -> str:
             return ""
         for module in differing:
             same_start = _initial(gold[module]) == _initial(gate[module])
-            if module not in proven and not (same_start and _equal(original, changed, module, work)):
+            if module in proven or (same_start and _equal(original, changed, module, work)):
+                proven.add(module)
+            elif same_at_ports(original, changed, module, work, PORTS_TIMEOUT_S):
+                proven.add(module)
+                by_register = False
+            else:
                 return ""
-            proven.add(module)
     if proven:
-        return f"Yosys: {entity} equal, by induction"
+        return f"Yosys: {entity} equal, by induction" if by_register else f"ABC: {entity} equal at its ports, by PDR"
     return "the same netlist" if is_held else ""
 
 
