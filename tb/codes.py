@@ -7,6 +7,7 @@ from gravcomp_lab.benches.codes import (
     fixed_network,
     hash_under_test,
     pack,
+    pack_rows,
     unpack,
     weights_under_test,
 )
@@ -18,6 +19,7 @@ __all__ = (
     "fixed_network",
     "hash_under_test",
     "pack",
+    "pack_rows",
     "unpack",
     "weights_under_test",
 )

@@ -7,6 +7,8 @@ import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, Timer
 
+from gravcomp_lab.benches.ports import driver, signed
+
 
 async def play(
     dut, inputs: Mapping[str, np.ndarray], outputs: Iterable[str], *, reset: bool = True
@@ -24,20 +26,19 @@ async def play(
         await FallingEdge(dut.clk)
         dut.rst.value = 0
     n_clocks = len(next(iter(inputs.values())))
-    drivers = [(getattr(dut, name), np.asarray(values).tolist(), [None]) for name, values in inputs.items()]
-    handles = {name: getattr(dut, name) for name in outputs}
-    recorded = {name: (h, np.zeros(n_clocks, np.int64 if len(h) <= 64 else object)) for name, h in handles.items()}
+    drivers = [(driver(getattr(dut, name)), np.asarray(values).tolist()) for name, values in inputs.items()]
+    recorded = {name: np.zeros(n_clocks, np.int64 if len(getattr(dut, name)) <= 64 else object) for name in outputs}
+    ports = [(signed(getattr(dut, name)), values) for name, values in recorded.items()]
+    settled, falling = Timer(1, "ns"), FallingEdge(dut.clk)
     for k in range(n_clocks):
-        for handle, values, last in drivers:
-            if values[k] != last[0]:
-                handle.value = last[0] = values[k]
-        await Timer(1, "ns")
-        for handle, values in recorded.values():
-            value = handle.value
-            values[k] = value.to_signed() if hasattr(value, "to_signed") else int(value)
-        await FallingEdge(dut.clk)
+        for drive, values in drivers:
+            drive(values[k])
+        await settled
+        for ask, values in ports:
+            values[k] = ask()
+        await falling
     clock.stop()
-    return {name: values for name, (_, values) in recorded.items()}
+    return recorded
 
 
 def assert_equal(recorded: Mapping[str, np.ndarray], expected: Mapping[str, np.ndarray]) -> None:

@@ -3,7 +3,7 @@
 import cocotb
 import numpy as np
 
-from codes import corners_and_random, fixed_network, pack, unpack
+from codes import corners_and_random, fixed_network, pack_rows, unpack
 from gravcomp.core.formats import CURRENT_BITS
 from gravcomp.twin.drive import LATENCY, drive
 from playback import play
@@ -36,9 +36,9 @@ def inputs_of(
 async def run_and_compare(dut, inputs) -> dict[str, np.ndarray]:
     """Outputs of the RTL, axes apart, after they were found equal to the twin's."""
     n_axes = inputs["in_current"].shape[1]
-    packed = np.array([pack(row, CURRENT_BITS) for row in inputs["in_current"]], object)
-    clipped = np.array([pack(row, 1) for row in inputs["in_clipped"]])
-    limits = {name: np.array([pack(row, CURRENT_BITS - 1) for row in inputs[name]], object) for name in LIMITS}
+    packed = pack_rows(inputs["in_current"], CURRENT_BITS)
+    clipped = pack_rows(inputs["in_clipped"], 1)
+    limits = {name: pack_rows(inputs[name], CURRENT_BITS - 1) for name in LIMITS}
     got = await play(dut, {**inputs, **limits, "in_current": packed, "in_clipped": clipped}, OUTPUTS)
     got["out_current"] = unpack(got["out_current"], CURRENT_BITS, n_axes)
     for flags in FLAGS:

@@ -3,7 +3,7 @@
 import cocotb
 import numpy as np
 
-from codes import corners_and_random, fixed_network, pack, unpack
+from codes import corners_and_random, fixed_network, pack_rows, unpack
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.twin.safety import Cause, FaultLatch
 from playback import play
@@ -18,7 +18,7 @@ async def random_causes_and_clears(dut):
     clear = (rng.random((n_clocks, len(Cause))) < rng.choice([0, 0.5, 1], (n_clocks, 1), p=[0.8, 0.15, 0.05])) @ weights
     rst = (rng.random(n_clocks) < 0.001).astype(np.int64)
     count = corners_and_random(COUNT_BITS, (n_clocks, n_axes), rng)
-    packed = np.array([pack(row, COUNT_BITS) for row in count], object)
+    packed = pack_rows(count, COUNT_BITS)
     inputs = {"rst": rst, "in_clear": clear, "in_fault": fault, "in_count": packed}
     got = await play(dut, inputs, ["sts_fault", "first_cause", "first_count", "events"])
     got_count = unpack(got["first_count"], COUNT_BITS, n_axes)

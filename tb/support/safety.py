@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from codes import fixed_network, pack, unpack
+from codes import fixed_network, pack_rows, unpack
 from gravcomp.core.formats import COUNT_BITS
 from gravcomp.twin.brakes import BrakeOptions, State
 from gravcomp.twin.safety import Cause, safety
@@ -99,10 +99,7 @@ async def run_and_compare(dut, inputs: dict[str, np.ndarray]) -> dict[str, np.nd
     options = BrakeOptions(two_paths=True, feedback=True, sync_stages=int(os.environ["SYNC_STAGES_G"]))
     expected = safety(inputs, options, lambda told, k: told ^ int(fails[k]))
     inputs["brake_fed"] = expected["brake_fed"]
-    packed = {
-        name: np.array([pack(row, WIDTHS[name]) for row in values], object) if name in WIDTHS else values
-        for name, values in inputs.items()
-    }
+    packed = {name: pack_rows(values, WIDTHS[name]) if name in WIDTHS else values for name, values in inputs.items()}
     await flush(dut, 4, brake_fed=0, enable=1)
     got = await play(dut, packed, OUTPUTS)
     n_axes = inputs["in_count"].shape[1]

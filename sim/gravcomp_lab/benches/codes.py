@@ -29,26 +29,43 @@ def hash_under_test() -> str:
 
 def fixed_network() -> FixedNetwork:
     """The network under test as the hardware holds it."""
-    folder = weights_under_test()
-    return _fixed_network(folder, frozenset((f.name, f.stat().st_mtime_ns) for f in folder.iterdir()))
-
-
-@cache
-def _fixed_network(folder: Path, times: frozenset[tuple[str, int]]) -> FixedNetwork:
-    """Of a folder whose files were written at these times. A simulation asks at every turn."""
-    return quantise(load_network(folder), load_machine(folder).drive)
+    return _fixed_network(*_folder_and_times())
 
 
 def fixed_compensation() -> FixedCompensation:
     """The compensator's tables under test as the hardware holds them."""
+    return _fixed_compensation(*_folder_and_times())
+
+
+def _folder_and_times() -> tuple[Path, frozenset[tuple[str, int]]]:
+    """The weights folder under test, and when each of its files was written.
+
+    A simulation asks for its constants at every turn: they are read once, until a file is written anew.
+    """
     folder = weights_under_test()
-    constants = load_compensation(folder, fixed_network().n_axes)
+    return folder, frozenset((file.name, file.stat().st_mtime_ns) for file in folder.iterdir())
+
+
+@cache
+def _fixed_network(folder: Path, times: frozenset[tuple[str, int]]) -> FixedNetwork:
+    return quantise(load_network(folder), load_machine(folder).drive)
+
+
+@cache
+def _fixed_compensation(folder: Path, times: frozenset[tuple[str, int]]) -> FixedCompensation:
+    constants = load_compensation(folder, _fixed_network(folder, times).n_axes)
     return quantise_compensation(constants, load_machine(folder).drive, folder)
 
 
 def pack(values: Iterable[int], bits: int) -> int:
     """Unsigned integer that holds the values side by side, value 0 lowest."""
     return sum((int(value) & (1 << bits) - 1) << bits * i for i, value in enumerate(values))
+
+
+def pack_rows(values: np.ndarray, bits: int) -> np.ndarray:
+    """pack of each row (k, n) of integers of at most 62 bits; Python's integers (k,)."""
+    codes = (values & (1 << bits) - 1).astype(object)
+    return sum(codes[:, i] << bits * i for i in range(codes.shape[1]))
 
 
 def unpack(packed: Iterable[int], bits: int, n_values: int) -> np.ndarray:

@@ -2,10 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
+
+from gravcomp_lab.benches.ports import driver, is_high, unsigned
 
 # Clocks in which an input must be taken, gaps between them included.
 PATIENCE = 10_000
@@ -50,28 +53,31 @@ async def stream(
     one at whose end the entity takes the input.
     """
     recording = Recording(outputs={name: [] for name in outputs})
-    handles = [(recording.outputs[name], getattr(dut, name)) for name in outputs]
+    read = [(recording.outputs[name], unsigned(getattr(dut, name))) for name in outputs]
+    drive = cache(lambda name: driver(getattr(dut, name)))
+    offer, is_out, falling = driver(dut.in_valid), is_high(dut.out_valid), FallingEdge(dut.clk)
+    is_ready = is_high(dut.in_ready) if has_ready else lambda: True
     clock, idle, position, next_free = 0, 0, 0, 0
     while idle < flush_clocks:
-        if dut.out_valid.value == 1:
+        if is_out():
             recording.valid.append(clock)
-            for values, handle in handles:
-                values.append(int(handle.value))
+            for values, ask in read:
+                values.append(ask())
         offers = (
             position < len(inputs) and clock >= next_free and not (gap_probability and rng.random() < gap_probability)
         )
-        dut.in_valid.value = int(offers)
+        offer(int(offers))
         if offers or not holds:
             for name, value in inputs[position if offers else -1 - position % len(inputs)].items():
-                getattr(dut, name).value = value
-        if offers and (not has_ready or dut.in_ready.value == 1):
+                drive(name)(value)
+        if offers and is_ready():
             recording.accepted.append(clock)
             position += 1
             next_free = clock + spacing
         assert idle or clock < next_free + PATIENCE, f"input {position} was not taken in {PATIENCE} clocks"
         idle = idle + 1 if position == len(inputs) else 0
         clock += 1
-        await FallingEdge(dut.clk)
+        await falling
     return recording
 
 
