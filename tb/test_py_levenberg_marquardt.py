@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, levenberg_marquardt
+from gravcomp.training.symmetry import cyclic_tie
 
 N_IN, N_OUT = 3, 3
 GAMMA, TANH = ACTIVATIONS["gamma"], ACTIVATIONS["tanh"]
@@ -57,6 +58,31 @@ def test_normal_equations_equal_those_of_the_finite_difference_jacobian(activati
     normal, rhs = problem.normal_equations(point)
     np.testing.assert_allclose(normal, jacobian.T @ jacobian, rtol=0, atol=1e-6 * np.abs(normal).max())
     np.testing.assert_allclose(rhs, jacobian.T @ error.ravel(), rtol=0, atol=1e-6 * np.abs(rhs).max())
+
+
+@pytest.mark.parametrize("tie", [None, cyclic_tie(4, 3)], ids=["free", "tied"])
+def test_reduced_equations_give_the_step_of_all_parameters_with_the_hidden_ones_damped(tie):
+    """Whatever the damping: their solution is the hidden part of that of the full equations."""
+    rng = np.random.default_rng(5)
+    x = rng.uniform(-1, 1, (60, N_IN))
+    problem = Problem(x, smooth_target(x), 4, GAMMA, tie, ridge=1e-4)
+    point = problem.at(rng.normal(size=problem.n_free_hidden))
+    (normal, rhs), (reduced, descent) = problem.normal_equations(point), problem.reduced_equations(point)
+    n = problem.n_free_hidden
+    for mu in (1e-3, 10.0):
+        whole = np.linalg.solve(normal + mu * np.diag(np.arange(len(rhs)) < n), rhs)
+        np.testing.assert_allclose(np.linalg.solve(reduced + mu * np.eye(n), descent), whole[:n], rtol=1e-7, atol=1e-9)
+
+
+def test_equations_in_single_precision_differ_by_its_rounding(monkeypatch):
+    """Of many columns, where nothing but the time changes: 2^-24 of what is summed."""
+    rng = np.random.default_rng(6)
+    x, start = rng.uniform(-1, 1, (500, N_IN)), rng.normal(size=(90, N_IN + 1))
+    single = Problem(x, smooth_target(x), 90, GAMMA)
+    monkeypatch.setattr(f"{levenberg_marquardt.__module__}._SINGLE_FROM", 10**6)
+    double = Problem(x, smooth_target(x), 90, GAMMA)
+    (one, _), (two, _) = (problem.normal_equations(problem.at(start.ravel())) for problem in (single, double))
+    assert 0 < np.abs(one - two).max() <= 500 * 2.0**-24 * np.abs(two).max()
 
 
 @pytest.mark.parametrize("activation", [GAMMA, TANH])

@@ -36,6 +36,7 @@ from gravcomp.training.training import (
 from gravcomp.training.waves import waves_of
 from machines import MACHINE, SHIPPED, P, changed
 
+ALL = np.ones(3, dtype=bool)  # of three axes
 SHORT = Effort(draws=2, tied_hops=2, hops=2, search_poses=100)
 
 
@@ -238,7 +239,7 @@ def planar_waves(n_poses: int):
     """The waves of a planar arm of three joints, whose torques are cosines of angles summed from the base."""
     machine = parse_machine(arm_toml(3), "an arm")
     scaling, data = workspace_scaling(machine), workspace_set(n_poses, machine.robot, 1)
-    return waves_of(data.q, scaling.y(data.f), scaling), scaling, data
+    return waves_of(data.q, scaling.y(data.f), scaling, ALL), scaling, data
 
 
 def test_waves_of_a_planar_arm_are_the_sums_of_its_angles():
@@ -263,12 +264,12 @@ def test_neurons_along_waves_start_better_than_random_ones():
 def test_what_is_no_wave_or_turns_by_sine_and_cosine_has_none():
     """Linear axes; efforts that are noise; an axis whose sine and cosine the network sees."""
     spheiro = workspace_set(300, MACHINE.robot, 1)
-    assert waves_of(spheiro.q, spheiro.f, workspace_scaling(MACHINE)) is None
+    assert waves_of(spheiro.q, spheiro.f, workspace_scaling(MACHINE), ALL) is None
     _, scaling, data = planar_waves(400)
     noise = np.random.default_rng(3).standard_normal(data.f.shape)
-    assert waves_of(data.q, noise, scaling) is None
+    assert waves_of(data.q, noise, scaling, ALL) is None
     turning = replace(scaling, inputs=("sin_cos", "position", "position"))
-    assert waves_of(data.q, scaling.y(data.f), turning) is None
+    assert waves_of(data.q, scaling.y(data.f), turning, ALL) is None
 
 
 def test_a_larger_network_is_searched_as_long_as_a_small_one():

@@ -33,7 +33,7 @@ def add_arguments(parser):
     )
     parser.add_argument("--starts", type=int, default=4, help="searches per round (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of poses and starts (default %(default)s)")
-    parser.add_argument("--poses", type=int, default=3500, help="training poses (default %(default)s)")
+    parser.add_argument("--poses", type=int, help="training poses (default: 3500, more where the network is large)")
     parser.add_argument(
         "--search", type=float, default=1.0, metavar="PART", help="of the usual draws and hops (default %(default)s)"
     )
@@ -63,11 +63,13 @@ def sizes(text: str) -> tuple[int, ...]:
 def run(arguments):
     from gravcomp.robot.machine import load_machine
     from gravcomp.training.samples import machine_of_samples
-    from gravcomp.training.training import check_size, training_and_test_set
+    from gravcomp.training.training import check_size, n_felt_inputs, poses_of_size, training_and_test_set
 
     _check(arguments)
     folder = arguments.robot or arguments.start
     machine = machine_of_samples(folder, arguments.data) if arguments.data else load_machine(folder)
+    if arguments.poses is None:
+        arguments.poses = poses_of_size(max(arguments.hidden), n_felt_inputs(machine), machine.n_axes)
     data, unseen = training_and_test_set(arguments.poses, machine.robot, arguments.seed)
     for n_hidden in arguments.hidden if arguments.robot else ():
         check_size(data, n_hidden, arguments.starts)  # of all, before the first takes its time
@@ -154,10 +156,8 @@ def _trained_further(arguments, machine, data):
 
 def _trained(arguments, machine, data, n_hidden: int):
     """Network of --robot, from random starts, and what stopped it."""
-    from gravcomp.network.inputs import axis_of_input
-    from gravcomp.training.training import effort_of_size, train
+    from gravcomp.training.training import effort_of_size, n_felt_inputs, train
 
-    n_inputs = len(axis_of_input(machine.inputs))
     network, fit = train(
         data,
         machine,
@@ -167,7 +167,7 @@ def _trained(arguments, machine, data, n_hidden: int):
         activation=machine.activation,
         backend=arguments.backend,
         polish=arguments.polish,
-        effort=effort_of_size(n_hidden, n_inputs, machine.n_axes, arguments.search),
+        effort=effort_of_size(n_hidden, n_felt_inputs(machine), machine.n_axes, arguments.search),
     )
     return network, fit.reason
 

@@ -8,7 +8,8 @@ Each step solves (J^T J + mu D) dp = J^T e and is taken when the cost falls; mu 
 - Parameters may be tied, p = T z with one 1 per row of T, so that a symmetry of the data holds exactly.
 
 J has the rows [V_kj act'_j x_a | h_j] for output k, so J^T J needs only V and B^T B with B = [act'_j x_a | h_j]: one
-product for all outputs, many times cheaper than J itself.
+product for all outputs, many times cheaper than J itself. The output layer's own equations are eliminated before the
+step: with B^T B = [A C; C^T G] what is left is (V^T V) * (A - C G^-1 C^T), elementwise, over the hidden parameters.
 """
 
 from collections.abc import Callable
@@ -18,6 +19,9 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from gravcomp.network.activation import gamma, gamma_slope
+
+# Columns of B from which single precision makes B^T B: the step is damped and its cost is looked at in double, anyway.
+_SINGLE_FROM = 400
 
 MU_START, MU_FALL, MU_RISE, MU_MIN, MU_MAX = 1e-2, 0.2, 4.0, 1e-12, 1e10
 
@@ -101,7 +105,8 @@ class Problem:
         self.is_tied = not np.array_equal(self.tie, np.arange(n_parameters))
         self.spread = np.eye(int(self.tie.max()) + 1)[self.tie] if self.is_tied else None
         # Kept from step to step: allocating it anew would cost as much as filling it.
-        self._rows = np.empty((len(x), self.n_hidden_parameters + n_hidden + 1))
+        n_columns = self.n_hidden_parameters + n_hidden + 1
+        self._rows = np.empty((len(x), n_columns), dtype=np.float32 if n_columns >= _SINGLE_FROM else np.float64)
         # Its columns go by input, then neuron: long loops are fast; parameters go by neuron, then input.
         by_neuron = np.arange(self.n_hidden_parameters).reshape(-1, n_hidden).T.ravel()
         by_neuron = np.r_[by_neuron, np.arange(self.n_hidden_parameters, self._rows.shape[1])]
@@ -129,23 +134,46 @@ class Problem:
 
     def normal_equations(self, point: Point) -> tuple[np.ndarray, np.ndarray]:
         """J^T J (with the ridge) and J^T e over the free parameters, J = d(V act(W x + b_H) + b_o)/dp."""
-        n_hidden, n_in = self.shapes[0]
-        slope = self.activation.slope(point.sums)
-        n, b = self.n_hidden_parameters, self._rows
-        for a in range(n_in):
-            np.multiply(slope, self.inputs[:, a : a + 1], out=b[:, a * n_hidden : (a + 1) * n_hidden])
-        b[:, n:] = point.act
-        gram = (b.T @ b)[self._by_neuron]
-        v = np.repeat(point.output[:, :-1], n_in, axis=1)
+        gram, n, v = self._gram(point), self.n_hidden_parameters, self._output_by_parameter(point)
         cross = np.hstack([v_k[:, None] * gram[:n, n:] for v_k in v])
         outer = np.kron(np.eye(len(v)), gram[n:, n:]) + np.diag(self.ridge)
         normal = np.block([[v.T @ v * gram[:n, :n], cross], [cross.T, outer]])
-        by_hidden = ((point.error @ point.output[:, :-1]) * slope).T @ self.inputs
         by_output = (point.error.T @ point.act).ravel() - self.ridge * point.output.ravel()
-        rhs = np.concatenate([by_hidden.ravel(), by_output])
+        rhs = np.concatenate([self._descent(point), by_output])
         if not self.is_tied:
             return normal, rhs
         return self.spread.T @ normal @ self.spread, self.spread.T @ rhs
+
+    def reduced_equations(self, point: Point) -> tuple[np.ndarray, np.ndarray]:
+        """The normal equations over the free hidden parameters alone, as the output layer of point is the best one."""
+        if self.is_tied:
+            normal, rhs = self.normal_equations(point)
+            n = self.n_free_hidden
+            return normal[:n, :n] - normal[:n, n:] @ np.linalg.solve(normal[n:, n:], normal[n:, :n]), rhs[:n]
+        gram, n, v = self._gram(point), self.n_hidden_parameters, self._output_by_parameter(point)
+        own = gram[n:, n:] + np.diag(self.ridge[: len(gram) - n])
+        left = gram[:n, :n] - gram[:n, n:] @ np.linalg.solve(own, gram[n:, :n])
+        return v.T @ v * left, self._descent(point)
+
+    def _gram(self, point: Point) -> np.ndarray:
+        """B^T B, hidden parameters by neuron."""
+        (n_hidden, n_in), b = self.shapes[0], self._rows
+        slope, inputs = (values.astype(b.dtype, copy=False) for values in (self._slope(point), self.inputs))
+        for a in range(n_in):
+            np.multiply(slope, inputs[:, a : a + 1], out=b[:, a * n_hidden : (a + 1) * n_hidden])
+        b[:, self.n_hidden_parameters :] = point.act
+        return (b.T @ b)[self._by_neuron].astype(np.float64, copy=False)
+
+    def _slope(self, point: Point) -> np.ndarray:
+        return self.activation.slope(point.sums)
+
+    def _output_by_parameter(self, point: Point) -> np.ndarray:
+        """V, a column for each hidden parameter."""
+        return np.repeat(point.output[:, :-1], self.shapes[0][1], axis=1)
+
+    def _descent(self, point: Point) -> np.ndarray:
+        """J^T e over the hidden parameters."""
+        return (((point.error @ point.output[:, :-1]) * self._slope(point)).T @ self.inputs).ravel()
 
 
 def levenberg_marquardt(problem: Problem, hidden: np.ndarray, stop: Stop = Stop()) -> Fit:
@@ -158,7 +186,7 @@ def levenberg_marquardt(problem: Problem, hidden: np.ndarray, stop: Stop = Stop(
     free[problem.tie[: problem.n_hidden_parameters]] = hidden.ravel()
     point, mu, costs, reason = problem.at(free), MU_START, [], "steps"
     while True:
-        normal, rhs = problem.normal_equations(point)
+        normal, rhs = problem.reduced_equations(point)
         gradient = 2.0 * float(np.linalg.norm(rhs)) / point.error.size
         if gradient < stop.gradient:
             reason = "gradient"
@@ -179,10 +207,9 @@ def levenberg_marquardt(problem: Problem, hidden: np.ndarray, stop: Stop = Stop(
 
 def _step(problem, free, point, normal, rhs, mu):
     """The least damped step that lowers the cost, as ((parameters, point) or None, mu)."""
-    damped = np.diag(np.arange(len(rhs)) < len(free)).astype(float)
     while mu < MU_MAX:
         try:
-            trial = free + cho_solve(cho_factor(normal + mu * damped), rhs)[: len(free)]
+            trial = free + cho_solve(cho_factor(normal + mu * np.eye(len(free))), rhs)
             trial_point = problem.at(trial)
         except LinAlgError:
             trial_point = None  # not positive definite in finite precision: damp more

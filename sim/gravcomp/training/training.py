@@ -12,11 +12,13 @@ import numpy as np
 
 from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
+from gravcomp.network.inputs import axis_of_input
 from gravcomp.network.weights import Network
 from gravcomp.parallel import one_blas_thread, run_parallel
 from gravcomp.robot.machine import Drive, Machine
 from gravcomp.robot.protocol import HasRows, Robot
 from gravcomp.training import POLISH_STEPS
+from gravcomp.training.felt_axes import felt_axes
 from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
 from gravcomp.training.scaling import Scaling, workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws
@@ -27,7 +29,8 @@ from gravcomp.training.waves import waves_of
 RIDGE = 1e-9
 N_TEST_POSES = 8000
 _POLISH_STALL = 1e-5
-_BASE_COLUMNS, _FEWEST = 101, 4  # of 3-20-3; draws and hops at least
+_BASE_COLUMNS, _FEWEST = 101, 2  # of 3-20-3; draws and hops at least
+_FEWEST_POSES, _POSES_PER_PARAMETER = 3500, 4
 
 
 @dataclass(frozen=True)
@@ -62,13 +65,26 @@ def effort_of_size(n_hidden: int, n_inputs: int, n_outputs: int, part: float = 1
     part: of that time. A step costs poses times the square of the Jacobian's columns.
     """
     base, columns = Effort(), n_hidden * (n_inputs + 2) + 1
-    n_parameters = n_hidden * (n_inputs + 1) + n_outputs * (n_hidden + 1)
-    poses = max(base.search_poses, 2 * n_parameters)
+    poses = max(base.search_poses, 2 * n_parameters(n_hidden, n_inputs, n_outputs))
     share = part * min(1.0, _BASE_COLUMNS**2 * base.search_poses / (columns**2 * poses))
     draws, tied_hops, hops = (max(min(_FEWEST, n), round(share * n)) for n in (base.draws, base.tied_hops, base.hops))
     if share == 1.0:
         return base
     return replace(base, draws=draws, tied_hops=tied_hops, hops=hops, search_poses=poses)
+
+
+def n_felt_inputs(machine: Machine) -> int:
+    """Inputs that a network of the machine looks at."""
+    return int(felt_axes(machine.robot)[axis_of_input(machine.inputs)].sum())
+
+
+def n_parameters(n_hidden: int, n_inputs: int, n_outputs: int) -> int:
+    return n_hidden * (n_inputs + 1) + n_outputs * (n_hidden + 1)
+
+
+def poses_of_size(n_hidden: int, n_inputs: int, n_outputs: int) -> int:
+    """Training poses that a network of this size does not learn by heart."""
+    return max(_FEWEST_POSES, _POSES_PER_PARAMETER * n_parameters(n_hidden, n_inputs, n_outputs))
 
 
 def workspace_set(n_poses: int, robot: Robot, seed: int) -> TrainingSet:
@@ -126,18 +142,28 @@ def train(
     check_size(data, n_hidden, n_starts)
     scaling = workspace_scaling(machine)
     x, y = scaling.x(data.q), scaling.y(data.f)
+    axes = felt_axes(machine.robot)
+    felt = axes[axis_of_input(machine.inputs)]
     symmetric = is_cyclic(machine.robot) and scaling.is_uniform
-    waves = waves_of(data.q, y, scaling)
+    waves = waves_of(data.q, y, scaling, axes)
     seeds = np.random.SeedSequence(seed).spawn(2 * n_starts)
-    common = (x[: effort.search_poses], y[: effort.search_poses], n_hidden, activation, symmetric, effort, waves)
+    common = (x[: effort.search_poses, felt], y[: effort.search_poses], n_hidden, activation, symmetric, effort, waves)
     first = run_parallel(draw_start, [(*common, s) for s in seeds[:n_starts]], backend, f"{n_hidden} neurons, starts")
     best = min(first, key=lambda fit: fit.cost)
     second = run_parallel(hop_on, [(*common, best, s) for s in seeds[n_starts:]], backend, f"{n_hidden} neurons, hops")
     best = min(second, key=lambda fit: fit.cost)
-    problem = _problem(x, y, n_hidden, activation, symmetric)
+    problem = _problem(x[:, felt], y, n_hidden, activation, symmetric)
     with one_blas_thread():
         fit = levenberg_marquardt(problem, best.hidden, Stop(steps=polish, stall=_POLISH_STALL))
-    return snapped(fit, problem, scaling, machine.drive), fit
+    fit = replace(fit, hidden=_of_all_inputs(fit.hidden, felt))
+    return snapped(fit, _problem(x, y, n_hidden, activation, symmetric), scaling, machine.drive), fit
+
+
+def _of_all_inputs(hidden: np.ndarray, felt: np.ndarray) -> np.ndarray:
+    """[W b_H] (h, p+1) of hidden parameters over those inputs (p,) alone that are felt."""
+    whole = np.zeros((len(hidden), len(felt) + 1))
+    whole[:, np.r_[felt, True]] = hidden
+    return whole
 
 
 def draw_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, waves, seed) -> Fit:

@@ -35,10 +35,11 @@ class Waves:
         return np.c_[weights, -(weights * middle).sum(axis=1)]
 
 
-def waves_of(q: np.ndarray, y: np.ndarray, scaling: Scaling) -> Waves | None:
-    """The waves of normalised efforts y (N, m) at q (N, n), m or rad; None where they are not made of waves."""
-    is_wave = np.array([u == "rad" for u in scaling.position_units]) & np.array([k == POSITION for k in scaling.inputs])
-    if is_wave.sum() < 2 or not all(kind == POSITION for kind in scaling.inputs):
+def waves_of(q: np.ndarray, y: np.ndarray, scaling: Scaling, felt: np.ndarray) -> Waves | None:
+    """The waves of normalised efforts y (N, m) at q (N, n), m or rad, over the axes that are felt (n,); None where they
+    are not made of waves, or an axis is seen as sine and cosine."""
+    is_wave = felt & np.array([unit == "rad" for unit in scaling.position_units])
+    if is_wave.sum() < 2 or any(kind != POSITION for kind in np.array(scaling.inputs)[felt]):
         return None
     q, y = q[:_N_POSES], y[:_N_POSES]
     signs = np.array([d for d in product((-1, 0, 1), repeat=int(is_wave.sum())) if next(filter(None, d), 0) > 0])
@@ -50,7 +51,8 @@ def waves_of(q: np.ndarray, y: np.ndarray, scaling: Scaling) -> Waves | None:
     directions = every[chosen]
     turns = np.ptp(q @ directions.T, axis=0) / np.pi  # half waves within the ranges
     weight = np.sqrt(amplitude) * (turns + 1.0)
-    return Waves(_HALF_WAVE * directions / scaling.q_scale, weight / weight.sum(), scaling.x(q))
+    x = (q - scaling.q_offset) * scaling.q_scale
+    return Waves((_HALF_WAVE * directions / scaling.q_scale)[:, felt], weight / weight.sum(), x[:, felt])
 
 
 def _pursuit(angle: np.ndarray, y: np.ndarray) -> tuple[list[int], np.ndarray, float]:
