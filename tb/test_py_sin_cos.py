@@ -59,12 +59,39 @@ def test_a_turn_later_the_phase_is_the_same():
     assert len(set(turn.tolist())) == 1
 
 
-def small_turning_machine(folder):
-    """A hinge without limits that carries an arm, and a slide on it."""
+@pytest.mark.parametrize("counts_per_turn", [Fraction(4096), Fraction(1), Fraction(8192000), Fraction(2**31, 7)])
+def test_where_the_count_wraps_the_phase_jumps_unless_all_counts_are_whole_turns(counts_per_turn):
+    """By the part of a turn that is left of 2^32 counts."""
+    before, after = phase(np.array([2**31 - 1, -(2**31)]), *steps(counts_per_turn))
+    exact = float((1 - 2**32) / counts_per_turn % 1) * 2**PHASE_BITS
+    off = (after - before - exact + 2 ** (PHASE_BITS - 1)) % 2**PHASE_BITS - 2 ** (PHASE_BITS - 1)
+    assert abs(off) <= 2 * PHASE_ERROR_LSB
+    one_count = float(1 / counts_per_turn % 1) * 2**PHASE_BITS
+    assert (abs(exact - one_count) < 1e-6) == (counts_per_turn != 8192000)
+
+
+@pytest.mark.parametrize(
+    ("more", "turns"),
+    [
+        ("", 2**31 / 100000),
+        ('counts_per_turn = "8192000/3"\n', 3 * 2**31 / 8192000),
+        ("counts_per_turn = 65536\n", None),
+        ("low = -6.0\nhigh = 6.0\n", None),
+    ],
+)
+def test_rom_tells_after_how_many_turns_a_count_wraps(more, turns, tmp_path, capsys):
+    drawn_machine(tmp_path, more)
+    assert main(["rom", "--weights", str(tmp_path), "--out", str(tmp_path / "rom")]) == 0
+    told = re.findall(r"axis 'turn' has no limits: its count wraps after (\S+) turns", capsys.readouterr().out)
+    assert [float(number) for number in told] == ([] if turns is None else [pytest.approx(turns, rel=1e-3)])
+
+
+def small_turning_machine(folder, more=""):
+    """A hinge without limits that carries an arm, and a slide on it. more: lines of [[axis]] of the hinge."""
     text = mjcf(body("a", 'name="turn" axis="0 1 0"', 2.0, "0.3 0 0", inside=body(
         "b", 'name="out" type="slide" axis="1 0 0" range="0.1 0.5"', 1.0
     )))  # fmt: skip
-    return mechanism(folder, text, {"turn": 'input = "sin_cos"', "out": "counts_per_m = 1000000"})
+    return mechanism(folder, text, {"turn": f'input = "sin_cos"\n{more}', "out": "counts_per_m = 1000000"})
 
 
 def test_bit_true_core_with_sine_and_cosine_is_the_float_network(tmp_path):
@@ -89,9 +116,9 @@ def test_bit_true_core_with_sine_and_cosine_is_the_float_network(tmp_path):
     assert np.sqrt(np.mean(error**2) / np.mean(machine.robot.forces(q) ** 2)) < 0.01
 
 
-def drawn_machine(folder):
+def drawn_machine(folder, more=""):
     """The machine folder of a drawn network for the hinge and the slide."""
-    machine = small_turning_machine(folder)
+    machine = small_turning_machine(folder, more)
     rng, units, inputs = np.random.default_rng(7), ("rad", "m"), ("sin_cos", "position")
     one = np.ones(2)
     network = Network(

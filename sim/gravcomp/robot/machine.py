@@ -11,6 +11,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
@@ -29,6 +30,7 @@ HARDWARE_ACTIVATION = "gamma"
 ACTIVATIONS = (HARDWARE_ACTIVATION, "tanh")
 EFFORT_UNITS = {"m": "N", "rad": "Nm"}
 COUNTS = {"m": "counts_per_m", "rad": "counts_per_turn"}  # key of [[axis]] by the axis' unit
+_ALL_COUNTS = 2**32  # that a counter takes
 # Keys of robot.toml that statics and workspace depend on: a network is trained on them.
 _TRAINED_ON = ("model", "workspace", "effects", "empirical")
 
@@ -133,6 +135,19 @@ class Machine:
         if "joint" in given:
             facts["joint"] = given["joint"]
         return facts if axis.input == POSITION else facts | {"input": axis.input}
+
+    def turns_to_wrap(self) -> dict[str, float]:
+        """By name of axes that turn without limits, turns either way after which their count wraps amid a turn.
+
+        The phase of such an axis jumps there: not where all counts are whole turns, as with a power of two a turn.
+        """
+        turns = {}
+        for axis, given in zip(self.axes, self.table["axis"], strict=True):
+            if axis.input != SIN_COS or {"low", "high"} & given.keys():
+                continue
+            if _ALL_COUNTS % Fraction(given[COUNTS[axis.unit]]):
+                turns[axis.name] = _ALL_COUNTS / 2 / (2 * math.pi * axis.counts_per_unit)
+        return turns
 
     def core_facts(self) -> str:
         """What the ROM holds of this machine, as text for its hash: clock, counts, efforts per ampere, activation."""
