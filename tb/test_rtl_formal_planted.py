@@ -429,6 +429,9 @@ PLANTED = [
         ("waits <= waits + 1;", "waits <= waits;", "frame_ends_in_time"),
     ]),
     ("biss", "gc_biss", [
+        ("waits <= 0;", "waits <= 1;", "gives_up_after_the_periods"),
+    ]),
+    ("biss", "gc_biss", [
         ("out_known <= '0';\n      end if;\n\n      if rst", "out_known <= '1';\n      end if;\n\n      if rst",
          "every_frame_ends_in_a_position_or_unknown"),
     ]),

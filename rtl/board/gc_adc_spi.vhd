@@ -11,8 +11,8 @@
 -- CHAN_ID = 1, SWCNV = 1; an ADC of 16 bits without a number has code_bits_g = 16, id_bits_g = 0.
 -- A number that is not the one asked for: the code is dropped and counted.
 --
--- Timing: SCLK has 2 half_clocks_g clocks a period; CS is high for gap_clocks_g + 1 between frames, and leads and trails
--- SCLK by half_clocks_g. pin_miso is taken at the end of the high half, two flip-flops behind the pin.
+-- Timing: SCLK has 2 half_clocks_g clocks a period; CS is high for gap_clocks_g + 1 between frames, and leads and
+-- trails SCLK by half_clocks_g. pin_miso is taken at the end of the high half, two flip-flops behind the pin.
 -- Latency: a frame takes (2 frame_bits_g + 2) half_clocks_g + gap_clocks_g + 1 clocks; 4 more to sense_valid.
 -- in_valid in a scan is not seen. Overflow: saturates; sts_errors stays at its largest value.
 

@@ -15,6 +15,8 @@ module biss #(
 
   // position, nE, nW and CRC
   localparam FRAME = BITS + 8;
+  // Clocks to the error without a start bit; the period of the acknowledgement is one more.
+  localparam GIVES_UP = 2 * HALF * PERIODS;
   localparam LONGEST = 2 * HALF * (PERIODS + FRAME + 2) + REST + 1;
 
   wire ma, out_valid, known, error, warning;
@@ -74,6 +76,8 @@ module biss #(
     unknown_with_a_new_error : assert (error_1 || !error || !known);
     line_rests_between_frames : assert (rst_1 || !(ma_1 && !ma) || since >= HALF);
     line_is_high_without_a_frame : assert (busy || ma);
+    gives_up_after_the_periods : assert (rst_1 || !(busy_1 && busy && error) || error_1 || clocks == GIVES_UP
+                                         || clocks == GIVES_UP + 2 * HALF);
     frame_ends_in_time : assert (clocks <= LONGEST);
   end
 

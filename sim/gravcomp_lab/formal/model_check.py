@@ -167,11 +167,9 @@ def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[st
     return int(found[1]) + 1
 
 
-def same_at_ports(gold: Path, gate: Path, top: str, out: Path, timeout_s: int) -> bool:
-    """Whether a module of two Verilog files is proven to be the same at its ports, from power-up on, for every input.
-
-    Registers may differ, which no matching of their names allows. False where there is no proof in the time given.
-    Raises InputError when Yosys fails.
+def write_miter(gold: Path, gate: Path, top: str, out: Path) -> Path:
+    """The graph in which an output tells that a port of a module differs between two Verilog files, run from power-up
+    on the same inputs; for differs_soon and same_at_ports. Raises InputError when Yosys fails.
     """
     graph, passes = out / "miter.aig", []
     for name, verilog in (("gold", gold), ("gate", gate)):
@@ -181,7 +179,18 @@ def same_at_ports(gold: Path, gate: Path, top: str, out: Path, timeout_s: int) -
     passes += ["miter -equiv -flatten -make_assert gold gate miter", "hierarchy -top miter"]
     passes += _TO_GRAPH.format(cuts="", clocks=_ONE_CLOCK).split("; ")
     run_passes([*passes, f"write_aiger -I -B -zinit -no-startoffset {graph.name}"], graph.with_suffix(".log"))
-    log = _abc(f"read_aiger {graph}; fold; strash; scorr; pdr -a -T {timeout_s}", out / "miter-pdr.log")
+    return graph
+
+
+def differs_soon(miter: Path, timeout_s: int) -> bool:
+    """Whether a short run is found in which a port differs."""
+    log = _abc(f"read_aiger {miter}; fold; strash; bmc3 -F {_SHORT_RUN} -T {timeout_s}", miter.with_suffix(".bmc"))
+    return re.search(_ASSERTED, log) is not None
+
+
+def same_at_ports(miter: Path, timeout_s: int) -> bool:
+    """Whether no port ever differs, proven in the time given. Registers may, which no matching of their names allows."""
+    log = _abc(f"read_aiger {miter}; fold; strash; scorr; pdr -a -T {timeout_s}", miter.with_suffix(".pdr"))
     return "Proved output" in log or "Property proved" in log
 
 

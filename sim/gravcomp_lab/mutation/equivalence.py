@@ -16,7 +16,7 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp_lab.formal.claims import CLAIMS
-from gravcomp_lab.formal.model_check import same_at_ports
+from gravcomp_lab.formal.model_check import differs_soon, same_at_ports, write_miter
 from gravcomp_lab.synthesis.verilog import analysed, handwritten_sources, rtl_sources, synthesised
 from gravcomp_lab.synthesis.yosys import RUNNER
 
@@ -27,7 +27,7 @@ SYSTEMS: tuple[Mapping[str, int | str], ...] = (
     {"lanes_g": 4, **dict.fromkeys(_GUARDS, "true")},
 )
 TIMEOUT_S = 60.0
-PORTS_TIMEOUT_S = 60
+BMC_TIMEOUT_S, PDR_TIMEOUT_S = 10, 30
 _LOWER = (
     "proc; flatten; opt_clean; opt -full; memory -nomap; dffunmap; opt_clean; "
     "rename -hide w:n*_o w:*.n*_o w:n*_q w:*.n*_q"
@@ -93,32 +93,35 @@ def _proof(originals: Path, library: str, entity: str, work: Path) -> str:
         top, *settings = original.stem.split("-")
         changed = _write(library, top, dict(setting.split("=") for setting in settings), work)
         gate = _modules(changed.read_text())
-        differing = [module for module in own if gate.get(module) != gold[module]]
-        if gold.keys() != gate.keys() or (differing and is_package):
+        if gold.keys() != gate.keys():
             return ""
-        for module in differing:
+        differing = [module for module in own if _numbered(gate[module]) != _numbered(gold[module])]
+        if differing and is_package:
+            return ""
+        for module in [module for module in differing if module not in proven]:
+            miter = write_miter(original, changed, module, work)
             same_start = _initial(gold[module]) == _initial(gate[module])
-            if module in proven or (same_start and _equal(original, changed, module, work)):
-                proven.add(module)
-            elif same_at_ports(original, changed, module, work, PORTS_TIMEOUT_S):
-                proven.add(module)
-                by_register = False
-            else:
+            if differs_soon(miter, BMC_TIMEOUT_S):
                 return ""
+            if not (same_start and _equal(original, changed, module, work)):
+                by_register = False
+                if not same_at_ports(miter, PDR_TIMEOUT_S):
+                    return ""
+            proven.add(module)
     if proven:
         return f"Yosys: {entity} equal, by induction" if by_register else f"ABC: {entity} equal at its ports, by PDR"
     return "the same netlist" if is_held else ""
 
 
 def _modules(verilog: str) -> dict[str, str]:
-    """The text of each module, its intermediate values numbered by their first appearance."""
-    found = {}
-    for module in re.finditer(r"^module (\w+).*?^endmodule", verilog, re.M | re.S):
-        numbers: dict[str, str] = {}
-        found[module[1]] = re.sub(
-            r"\bn\d+(?=_|\b)", lambda n, known=numbers: known.setdefault(n[0], f"n{len(known)}"), module[0]
-        )
-    return found
+    """The text of each module."""
+    return {found[1]: found[0] for found in re.finditer(r"^module (\w+).*?^endmodule", verilog, re.M | re.S)}
+
+
+def _numbered(module: str) -> str:
+    """The text of a module, its intermediate values numbered by their first appearance."""
+    numbers: dict[str, str] = {}
+    return re.sub(r"\bn\d+(?=_|\b)", lambda n: numbers.setdefault(n[0], f"n{len(numbers)}"), module)
 
 
 def _initial(module: str) -> list[str]:
