@@ -189,7 +189,7 @@ def differs_soon(miter: Path, timeout_s: int) -> bool:
 
 
 def same_at_ports(miter: Path, timeout_s: int) -> bool:
-    """Whether no port ever differs, proven in the time given. Registers may, which no matching of their names allows."""
+    """Whether no port ever differs, proven in the time given. Registers may, which no matching of names allows."""
     log = _abc(f"read_aiger {miter}; fold; strash; scorr; pdr -a -T {timeout_s}", miter.with_suffix(".pdr"))
     return "Proved output" in log or "Property proved" in log
 
