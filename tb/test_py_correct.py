@@ -109,8 +109,50 @@ def test_urdf_takes_masses_friction_and_damping(tmp_path):
     new = mujoco.MjModel.from_xml_path(str(out))
     for q in (0.0, 0.6):
         assert held(new, [q])[0] == pytest.approx(G * 1.0 * np.cos(q), rel=1e-9)
-    assert (new.dof_frictionloss[0], new.dof_damping[0]) == pytest.approx((0.4, 0.75))
+    assert (new.dof_frictionloss[0], new.dof_damping[0]) == pytest.approx((0.3, 0.25))
     assert new.body_mass.sum() == pytest.approx(3.0)
+
+
+LOSSES = """
+[[effects]]
+name = "coulomb_friction"
+params = {fc_1 = 0.8, fc_2 = 0.4}
+[[effects]]
+name = "viscous_friction"
+params = {b_1 = 2.0}
+[[effects]]
+name = "inertia"
+params = {m_2 = 0.03}
+"""
+
+
+@pytest.mark.parametrize("file", ["r.urdf", "robot.xml"])
+def test_joint_is_not_taken_for_another_element_of_its_name(file, tmp_path):
+    """A transmission of a URDF, an equality of an MJCF, each before the joint itself."""
+    if file == "r.urdf":
+        before = '<transmission name="t"><joint name="a"><hardwareInterface/></joint></transmission>'
+        text = URDF.replace('<link name="base"/>', before + '<link name="base"/>')
+    else:
+        one, two = (body(name, f'name="{name}" axis="0 -1 0" range="-1 1"', 1.0, "0.3 0 0") for name in "ab")
+        equality = '<equality><joint name="a" joint1="a" joint2="b"/></equality>'
+        text = mjcf(one + two).replace("<worldbody>", equality + "<worldbody>")
+    (tmp_path / file).write_text(text)
+    friction = '[[effects]]\nname = "coulomb_friction"\nparams = {fc_1 = 0.3}\n'
+    (tmp_path / "model.toml").write_text(mechanism_toml({"a": ""}, file) + friction)
+    assert main(["correct", str(tmp_path / "model.toml"), "--out", str(tmp_path / f"new_{file}")]) == 0
+    new = mujoco.MjModel.from_xml_path(str(tmp_path / f"new_{file}"))
+    assert new.dof_frictionloss[new.joint("a").dofadr[0]] == pytest.approx(0.3)
+
+
+def test_friction_found_again_with_the_corrected_file_is_not_added_twice(tmp_path):
+    """No effort of the model depends on a file's friction, damping or armature: a log shows all of them once more."""
+    once = corrected(tmp_path, LOSSES)
+    again = tmp_path / "again"
+    again.mkdir()
+    (again / "arm2.xml").write_text(once.read_text())
+    (again / "model.toml").write_text((WEIGHTS / "arm2" / "robot.toml").read_text() + LOSSES)
+    assert main(["correct", str(again / "model.toml"), "--out", str(again / "new.xml")]) == 0
+    assert (again / "new.xml").read_text() == once.read_text()
 
 
 def test_mass_that_geoms_give_is_written_out(tmp_path):

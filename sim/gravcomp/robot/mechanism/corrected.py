@@ -2,7 +2,9 @@
 
 The text is edited where it has to be and stays as it was elsewhere. A first moment s and a mass M more make of mass m
 at r the mass m + M at (m r + s) / (m + M): efforts follow exactly. Inertias, which statics do not see, stay. A body
-without mass that is fixed to another one gives its part to that one.
+without mass that is fixed to another one gives its part to that one. What was found is added to the masses and springs
+of the file, which the model has that the data were compared with; it takes the place of friction, damping and armature,
+which that model has not.
 """
 
 import io
@@ -45,7 +47,7 @@ def corrected(robot: Mechanism, path: Path, found: Mechanics) -> Corrected:
         joints["frictionloss"] |= _by_joint(found.passive_friction, robot.passive_joints)
     for quantity, by_joint in joints.items():
         for joint, value in by_joint.items():
-            file.add_to_joint(joint, quantity, value)
+            file.set_on_joint(joint, quantity, value)
     for axis, spring in found.springs.items():
         file.add_spring(int(axes[axis]), spring)
     gravity = None
@@ -138,23 +140,22 @@ class _File:
             inertial.attrib.update(diaginertia=_numbers(inertia), quat=_numbers(m.body_iquat[body]))
         return inertial
 
-    def add_to_joint(self, joint: int, quantity: str, value: float) -> None:
+    def set_on_joint(self, joint: int, quantity: str, value: float) -> None:
         """quantity: of MuJoCo's joints: frictionloss, damping, armature."""
         name, before = self._robot.tree.joints[joint], float(
             getattr(self._model, f"dof_{quantity}")[self._model.jnt_dofadr[joint]])  # fmt: skip
-        after = before + value
-        if after < 0.0:
+        if value < 0.0:
             raise InputError(
-                f"{self._path}: joint {name!r} would have the {quantity} {after:.4g}; it cannot be negative"
+                f"{self._path}: joint {name!r} would have the {quantity} {value:.4g}; it cannot be negative"
             )
         if not self._is_urdf:
-            self._named("joint", name).set(quantity, _number(after))
+            self._named("joint", name).set(quantity, _number(value))
         elif quantity == "armature":
             raise InputError(f"{self._path}: a URDF has no armature, which joint {name!r} needs; give an MJCF")
         else:
             dynamics = _child(self._named("joint", name), "dynamics")
-            dynamics.set({"frictionloss": "friction"}.get(quantity, quantity), _number(after))
-        self.changes.append(f"joint {name}: {quantity} {before:.6g} -> {after:.6g}")
+            dynamics.set({"frictionloss": "friction"}.get(quantity, quantity), _number(value))
+        self.changes.append(f"joint {name}: {quantity} {before:.6g} -> {value:.6g}")
 
     def add_spring(self, joint: int, spring: tuple[float, float]) -> None:
         m, name = self._model, self._robot.tree.joints[joint]
@@ -180,7 +181,11 @@ class _File:
             self.changes.append(f"gravity {_short(self._robot.gravity_mps2)} -> {_short(gravity_mps2)} m/s^2")
 
     def _named(self, kind: str, name: str) -> ElementTree.Element:
-        found = [element for element in self._root.iter(kind) if element.get("name") == name]
+        # Not those that a transmission or an equality has under the same name.
+        places = (
+            [self._root] if self._is_urdf else [e for world in self._root.findall("worldbody") for e in world.iter()]
+        )
+        found = [element for place in places for element in place.findall(kind) if element.get("name") == name]
         if not found:
             raise InputError(f"{self._path}: {kind} {name!r} stands in a file that it includes; give one file")
         return found[0]
