@@ -22,10 +22,10 @@ _PROOF = "equivalence.py"
 
 
 class Verdicts:
-    """The table in a CSV file, for the tree in root. Files that a key covers are read once."""
+    """The table in a CSV file, for the tree in root, which is read once."""
 
     def __init__(self, path: Path, root: Path):
-        self._path, self._root, self._digests = path, root, {}
+        self._path, self._root, self._digests, self._relevant = path, root, {}, {}
         lines = list(csv.DictReader(path.read_text().splitlines())) if path.exists() else []
         self._kept = {self._name(line): line for line in lines}
         self._table = self._kept  # as it was last written
@@ -63,12 +63,17 @@ class Verdicts:
 
     def _key(self, outcome: Outcome) -> str:
         root, entity = self._root, outcome.mutant.entity
-        tests = [outcome.test] if outcome.result == CAUGHT else relevant_tests(entity, root / "rtl", root / "tb")
+        tests = [outcome.test] if outcome.result == CAUGHT else self._tests(entity)
         files = [source_of(root / "rtl", entity), *dict.fromkeys(root / "tb" / file_of(test) for test in tests)]
         files += [root / "tb" / "formal" / f"{c.checker}.sv" for c in CLAIMS for test in tests if f"[{c.name}]" in test]
         tool = _TOOL if outcome.result == CAUGHT else (*_TOOL, _PROOF)
         files += [Path(__file__).with_name(name) for name in tool]
         return hashlib.sha256("".join(self._digest(file) for file in files).encode()).hexdigest()[:16]
+
+    def _tests(self, entity: str) -> list[str]:
+        if entity not in self._relevant:
+            self._relevant[entity] = relevant_tests(entity, self._root / "rtl", self._root / "tb")
+        return self._relevant[entity]
 
     def _digest(self, file: Path) -> str:
         if file not in self._digests:
