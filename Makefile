@@ -6,6 +6,8 @@ DATA ?= data/prototype.csv
 RUN := .venv/bin
 LAB := $(RUN)/python -m gravcomp_lab
 # BLAS keeps to one thread: the matrices are small, and -n auto takes all cores.
+# A worker that runs out of tests takes over half of what another has left: the long ones come last.
+PARALLEL := -n auto --dist worksteal
 PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(RUN)/python -m pytest
 export WEIGHTS
 
@@ -47,18 +49,18 @@ coverage: ## the statements of the VHDL that the tests run; docs/measured/covera
 
 test: setup ## all tests but the long ones of the netlists, for which see gatesim
 	@scripts/setup.sh chromium || echo "test: no Chromium can be installed here; report.html is not looked at" >&2
-	@$(PYTEST) -q -n auto
+	@$(PYTEST) -q $(PARALLEL)
 
 test-fast: setup ## the tests that take less than ten seconds each
-	@$(PYTEST) -q -n auto -m "not slow"
+	@$(PYTEST) -q $(PARALLEL) -m "not slow"
 
 test-core: setup ## gc_core with the network of WEIGHTS, after rom: bit for bit, interval, latency, operations, at every number of lanes
 	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)" --check
-	@$(PYTEST) -q -n auto -m "" tb/test_rtl_core.py tb/test_rtl_budget.py -k "not shipped_machine"
+	@$(PYTEST) -q $(PARALLEL) -m "" tb/test_rtl_core.py tb/test_rtl_budget.py -k "not shipped_machine"
 
 test-simulators: setup ## the tests of the RTL on other simulators: Debian 13's GHDL 5.0.1 and ghdl-llvm; says what cannot be had
 	@scripts/setup.sh ghdl-llvm || echo "test-simulators: ghdl-llvm cannot be installed here" >&2
-	@scripts/test_simulators.sh -q -n auto $(if $(TESTS),$(TESTS),tb/test_rtl_*.py)
+	@scripts/test_simulators.sh -q $(PARALLEL) $(if $(TESTS),$(TESTS),tb/test_rtl_*.py)
 
 train: setup ## train the network of the machine in WEIGHTS anew; write it there, and its ROM
 	@$(RUN)/gravcomp train --robot "$(WEIGHTS)" --out "$(WEIGHTS)"
@@ -144,7 +146,7 @@ synth-all: setup ## the same with 1, 2, 4, 5, 10 and 20 lanes
 	@$(LAB) synth --lanes 1 2 4 5 10 20 --docs docs/measured
 
 gatesim: setup ## the core as GHDL's Verilog, as generic and as ECP5 netlist passes the tests of the VHDL, under Icarus
-	@$(PYTEST) -q -n auto -m "" tb/test_rtl_gates.py
+	@$(PYTEST) -q $(PARALLEL) -m "" tb/test_rtl_gates.py
 
 gatesim-nightly: setup ## 100 000 random poses through GHDL's Verilog, 10 000 through the ECP5 netlist, under Verilator
 	@$(PYTEST) -s -m gatesim tb/test_rtl_poses.py

@@ -157,7 +157,8 @@ async def time_per_word(dut, mhz):
 @cocotb.test()
 async def refused_image_in_mid_run(dut):
     """Brakes on, crc latched until a new image begins and the fault is cleared; the forces stay those of the ROM."""
-    system, _ = await start(dut, axi_mhz=40)
+    system = System(dut)
+    await system.start(axi_mhz=40)
     registers = system.registers
     await system.configure()
     await system.run()
@@ -189,7 +190,8 @@ async def refused_image_in_mid_run(dut):
 @cocotb.test()
 async def whole_images_in_mid_run(dut):
     """The robot keeps running on an image that is whole, and stops, its forces still of that, on a damaged one."""
-    system, _ = await start(dut, axi_mhz=100)
+    system = System(dut)
+    await system.start(axi_mhz=100)
     registers, image = system.registers, image_of(Path(os.environ["OTHER"]))
     host = Host(SimulatedBus(registers))
     load, read = bridge(host.load), bridge(host.read)
@@ -223,7 +225,8 @@ async def whole_images_in_mid_run(dut):
 @cocotb.test()
 async def core_without_banks(dut):
     """It says so, and refuses every image."""
-    system, _ = await start(dut, axi_mhz=40)
+    system = System(dut)
+    await system.start(axi_mhz=40)
     assert await system.registers.read("load_status") == 0
     assert await system.registers.read("bank_crc") == 0
     await system.registers.write("load_unlock", KEY)

@@ -10,6 +10,7 @@ from unittest.mock import patch
 
 from gravcomp.errors import optional
 from gravcomp.simulation.measured import FILE, handed_over
+from gravcomp.simulation.quick_ieee import quick_ieee
 
 
 def simulate(
@@ -43,14 +44,15 @@ def simulate(
         FILE: str(handed),
     }
     runner = get_runner("icarus" if is_verilog else "ghdl")
-    _build(runner, build_dir, is_verilog, sources=sources, hdl_toplevel=entity)
+    options = ["-g2012"] if is_verilog else ["--std=08", *quick_ieee(build_dir.parent)]
+    _build(runner, build_dir, is_verilog, build_args=options, sources=sources, hdl_toplevel=entity)
     _test(
         runner,
         build_dir,
         variables,
         hdl_toplevel=entity,
         test_module=test_module,
-        test_args=[] if is_verilog else ["--std=08"],
+        test_args=[] if is_verilog else options,
         parameters={} if is_verilog else generics,
         plusargs=[f"--vcd={vcd}"] if vcd else [],
         test_filter=tests,
@@ -63,7 +65,6 @@ def _build(runner, build_dir: Path, is_verilog: bool, **options) -> None:
     log = build_dir / "build.log"
     try:
         runner.build(
-            build_args=["-g2012"] if is_verilog else ["--std=08"],
             timescale=("1ns", "1ps") if is_verilog else None,
             build_dir=build_dir,
             always=True,

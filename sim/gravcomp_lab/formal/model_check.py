@@ -19,11 +19,11 @@ from gravcomp_lab.synthesis.yosys import run_passes
 
 # Products are cut, and inputs that a checker leaves open are free: any value may stand for one, in every clock. What
 # holds for all values holds for the right one. cuts: more signals to cut, as ` w:path`. clocks: how a clock becomes one
-# of the graph's, _ONE_CLOCK or _FREE_CLOCKS.
+# of the graph's, _ONE_CLOCK or _FREE_CLOCKS. What aigmap leaves over is not written, and takes long to clean away.
 _TO_GRAPH = (
     "proc -latches error; flatten; setundef -undriven -anyseq; cutpoint t:$mul{cuts}; {clocks}; chformal -lower; "
     "opt_clean; memory -nomap; memory_map; opt -full; dffunmap; formalff -clk2ff; setundef -undriven -anyseq; "
-    "delete -output; opt -full; techmap; opt_clean; aigmap; opt_clean"
+    "delete -output; opt -full; techmap; opt_clean; aigmap"
 )
 # Every clock of the design is the graph's, and a step of the graph a clock.
 _ONE_CLOCK = "async2sync"
