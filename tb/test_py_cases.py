@@ -126,6 +126,53 @@ def test_late_effort_is_a_lag_and_no_backlash(tmp_path):
     assert value(found, "coulomb_friction", "fc_1") == pytest.approx(2.0, abs=0.05)
 
 
+def vertical(n=900, dt=0.05):
+    """A linear axis under a constant load: t, q, v, noise."""
+    t = dt * np.arange(n)
+    q = 0.2 * (np.sin(0.83 * t + 1.0) + 0.4 * np.sin(0.51 * t + 2.0))
+    v = 0.2 * (0.83 * np.cos(0.83 * t + 1.0) + 0.4 * 0.51 * np.cos(0.51 * t + 2.0))
+    return t, q, v, 0.3 * np.random.default_rng(12).standard_normal(n)
+
+
+def test_late_effort_is_a_lag_where_the_model_is_constant(tmp_path):
+    """The jumps of friction alone tell: late by a time, not by a travel."""
+    t, q, v, noise = vertical()
+    f = 40.0 + 2.0 * np.sign(np.interp(t - 0.2, t, v)) + noise
+    found = diagnosed(tmp_path, log(t_s=t, q1_m=q, v1_mps=v, f1_n=f, fm1_n=np.full(len(t), 40.0)))
+    assert names(found) == {"sensor_lag", "coulomb_friction"}
+    assert value(found, "sensor_lag", "tau_s") == pytest.approx(0.2, abs=0.02)
+    assert value(found, "coulomb_friction", "fc_1") == pytest.approx(2.0, abs=0.06)
+
+
+def test_friction_that_settles_along_a_travel_is_no_lag(tmp_path):
+    """Dahl's friction is late, too, but by a travel."""
+    t, q, v, noise = vertical()
+    z = np.zeros(len(t))
+    for k in range(1, len(t)):
+        d = q[k] - q[k - 1]
+        z[k] = np.sign(d) + (z[k - 1] - np.sign(d)) * np.exp(-abs(d) / 0.01)
+    found = diagnosed(tmp_path, log(t_s=t, q1_m=q, v1_mps=v, f1_n=40.0 + 4.0 * z + noise, fm1_n=np.full(len(t), 40.0)))
+    assert names(found) == {"presliding_hysteresis"}
+
+
+def test_long_lag_is_found_whole(tmp_path):
+    """tau df/dt is a lag to first order only: 0.2 s at a quarter of a turn per second are more."""
+    t, q, v, _, noise = arm(900, dt=0.05)
+    f = np.interp(t - 0.2, t, 2.0 * np.cos(2.0 * q)) + 0.2 * noise
+    found = diagnosed(tmp_path, log(t_s=t, q1_rad=q, v1_radps=v, f1_nm=f, fm1_nm=2.0 * np.cos(2.0 * q)))
+    assert names(found) == {"sensor_lag"}
+    assert value(found, "sensor_lag", "tau_s") == pytest.approx(0.2, abs=0.003)
+
+
+def test_friction_keeps_its_name_beside_a_bump_where_the_model_is_constant(tmp_path):
+    """What contains Coulomb's friction, or is the same under a constant load, is no other explanation of it."""
+    t, q, v, noise = vertical()
+    f = 40.0 + 2.5 * np.sign(v) + 2.5 * np.exp(-(((q - 0.045) / 0.018) ** 2)) + noise
+    found = diagnosed(tmp_path, log(t_s=t, q1_m=q, v1_mps=v, f1_n=f, fm1_n=np.full(len(t), 40.0)))
+    assert names(found) == {"coulomb_friction"}
+    assert found["verdict"] == "partly_explained"
+
+
 @pytest.mark.parametrize(("factor", "words"), [(1000.0, ("v1", "thousand")), (-1.0, ("v1", "wrong sign"))])
 def test_velocity_is_checked_against_the_positions(tmp_path, factor, words):
     t, q, v, model, noise = arm()

@@ -85,3 +85,14 @@ def test_too_few_samples_say_so():
     noise = model_free(data, left, np.ones(q.shape, bool))
     assert not noise.is_sure
     assert "fewer than" in noise.source
+
+
+@pytest.mark.parametrize("seed", [11, 21, 31])
+def test_line_through_noise_alone_draws_nothing_lower(seed):
+    """Few passes of one axis: where differences do not surely grow with the distance their mean is the noise."""
+    rng = np.random.default_rng(seed)
+    t = 0.05 * np.arange(900)
+    w, (a, b) = rng.uniform(0.5, 1.1), rng.uniform(0.0, 6.28, 2)
+    q = 1.2 * (np.sin(w * t + a) + 0.4 * np.sin(0.618 * w * t + b))[:, None]
+    data, left = log(t, q, np.gradient(q, t, axis=0), SIGMA * rng.standard_normal(q.shape))
+    assert model_free(data, left, np.ones(q.shape, bool)).sigma == pytest.approx([SIGMA], rel=0.1)

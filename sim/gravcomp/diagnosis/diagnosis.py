@@ -34,6 +34,7 @@ from gravcomp.diagnosis.thresholds import (
     SAME_COLUMN,
     SEARCH_SAMPLES,
     SLOW_SHARE,
+    SURELY_LESS,
     TINY,
 )
 from gravcomp.logs.measurement import Measurement
@@ -160,7 +161,7 @@ def _read(data: Measurement, of_sensors: list[Entry], model: Model, train, block
 
 
 def _best(attempts: list[_Attempt], train: np.ndarray) -> _Attempt:
-    """The plain reading, unless another leaves clearly less, or no more with fewer terms."""
+    """The plain reading, unless another leaves clearly less, no more with fewer terms, or surely less with the same."""
     plain, *others = attempts
     use = ~plain.data.is_undecided[train]
 
@@ -170,8 +171,10 @@ def _best(attempts: list[_Attempt], train: np.ndarray) -> _Attempt:
 
     for other in others:
         n_terms = len(other.fit.entries) + len(other.of_sensors) - len(plain.of_sensors)
-        is_less = left(other) < CLEARLY_LESS * left(plain)
-        if is_less or (left(other) < AS_MUCH * left(plain) and n_terms < len(plain.fit.entries)):
+        ratio = left(other) / max(left(plain), TINY)
+        is_same_story = {entry.name for entry in other.fit.entries} <= {entry.name for entry in plain.fit.entries}
+        is_sure = is_same_story and -2.0 * use.sum() * np.log(max(ratio, TINY)) > SURELY_LESS
+        if ratio < CLEARLY_LESS or is_sure or (ratio < AS_MUCH and n_terms < len(plain.fit.entries)):
             return other
     return plain
 

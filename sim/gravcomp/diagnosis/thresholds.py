@@ -41,6 +41,7 @@ TWO_VALUED = 4.5  # inner deviations between two means: 2.7 for a Gaussian, 3.5 
 
 CLEARLY_LESS = 0.85  # of what the plain reading of a log leaves: another reading of it is the right one; tuned
 AS_MUCH = 1.05  # of it: as good with fewer terms; tuned
+SURELY_LESS = 30.0  # twice a difference of log likelihoods: the same effects read otherwise, odds of e^15
 
 # The noise that no model made, and what the remainder may be
 NOISE_SAMPLES = 24  # differences: their deviation is known to 15 %

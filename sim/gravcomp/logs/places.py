@@ -46,6 +46,10 @@ def places(q: np.ndarray, reach_of_others: float) -> Places | None:
     of = np.concatenate([[0], np.cumsum(gaps > limit)])
     if of[-1] + 1 > 0.8 * len(values):
         return None
+    first = np.flatnonzero(np.diff(of, prepend=-1))
+    extent = values[np.append(first[1:], len(values)) - 1] - values[first]
+    if extent.max() > gaps[gaps > limit].min():  # stretches of a motion, far apart: nobody was held there
+        return None
     sums = np.bincount(of, values) / np.bincount(of)
     return Places(sums[of][np.searchsorted(values, q)], float(np.median(np.diff(sums))) if len(sums) > 1 else 0.0)
 

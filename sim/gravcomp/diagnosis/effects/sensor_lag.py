@@ -18,6 +18,9 @@ _STEPS = 1.5  # of the clock: a difference to the row before is half a step late
 _LATE_V = 0.03  # of the usual speed: what the lag of v must make of it
 _TURNS = 6  # Gauss-Newton, which a lag of a quarter of a period needs
 _SETTLED = 4.0  # lags after a reversal in which a filter, too, has settled
+_REVERSALS = 6  # fewer tell a lag from nothing
+_EVIDENCE = 30.0  # of jumps that come late, as twice a difference of log likelihoods
+_LEVELS, _LAGS = 4, 24  # of a search for it, each within two lags of the last
 
 
 class SensorLag(Effect):
@@ -41,20 +44,31 @@ class SensorLag(Effect):
         return {}
 
     def seen_in(self, data):
-        """From the smooth parts of a motion alone: the model's effort changes there, friction does not."""
+        """From the smooth parts of a motion, where the model's effort changes and friction does not; where no model
+        tells, as on a vertical axis, from the jumps of friction at reversals.
+        """
         if self.unavailable(data) or len(data.t_s) < _ROWS:
             return {}
-        slope = derivative(data.nominal, data.t_s, data.runs, 0, lambda values, window: values)
-        found = [_lag_of_axis(data, i, slope[:, i]) for i in range(data.n_axes) if np.ptp(slope[:, i]) > 0.0]
-        found = [own for own in found if own is not None]
+        if not (np.ptp(data.nominal, axis=0) > 0.0).any():
+            return _lag_of_jumps(data)
+        found = _lags(data)
+        found = [(lag, error) for lag, error, part in found if abs(part) >= _MATTERS]
         if not found:
             return {}
         lag, error = np.array(found).T
-        common = float(np.sum(lag / error**2) / np.sum(1.0 / error**2))
+        common, own = _mean(lag, error)
         agree = np.abs(lag - common) < np.maximum(_AGREE[0] * error, _AGREE[1] * abs(common))
-        if common < _SURE / np.sqrt(np.sum(1.0 / error**2)) or not agree.all():
+        if common < _SURE * own or not agree.all():
             return {}
-        return {Parameter("tau_s"): (common, float(1.96 / np.sqrt(np.sum(1.0 / error**2))))}
+        for _ in range(_TURNS):  # the effort is that of tau before, which tau df/dt is for a short one only
+            rest = np.array([(lag, error) for lag, error, _ in _lags(_delayed(data, common))])
+            if not len(rest):
+                break
+            more, own = _mean(*rest.T)
+            common = max(common + more, 0.0)
+            if abs(more) < own:
+                break
+        return {Parameter("tau_s"): (common, 1.96 * own)}
 
     def corrected(self, data, parameters):
         """v of tau_v later; the effort beside the pose of tau before: where a reversal has not settled the direction is
@@ -63,12 +77,8 @@ class SensorLag(Effect):
         data, tau = _hastened(data, parameters), parameters.get("tau_s", 0.0)
         if not tau:
             return data
-        q, v, nominal = (None if x is None else x.copy() for x in (data.q, data.v, data.nominal))
-        for rows in (np.flatnonzero(data.runs == run) for run in np.unique(data.runs)):
-            for x in (x for x in (q, v, nominal) if x is not None):
-                x[rows] = _at(data.t_s[rows] - tau, data.t_s[rows], x[rows])
-        late = replace(data, q=q, v=v, nominal=nominal)
-        if v is None:
+        late = _delayed(data, tau)
+        if late.v is None:
             return late
         started = data.t_s[np.flatnonzero(data.is_first)][np.cumsum(data.is_first) - 1]
         before = (data.t_s - started < tau)[:, None]  # what came before the log is in no row
@@ -127,6 +137,15 @@ def _hastened(data: Measurement, parameters) -> Measurement:
     return replace(data, v=v)
 
 
+def _delayed(data: Measurement, tau_s: float) -> Measurement:
+    """The log with position, speed and prediction of tau before beside each effort."""
+    q, v, nominal = (None if x is None else x.copy() for x in (data.q, data.v, data.nominal))
+    for rows in (np.flatnonzero(data.runs == run) for run in np.unique(data.runs)):
+        for x in (x for x in (q, v, nominal) if x is not None):
+            x[rows] = _at(data.t_s[rows] - tau_s, data.t_s[rows], x[rows])
+    return replace(data, q=q, v=v, nominal=nominal)
+
+
 def _at(when: np.ndarray, t_s: np.ndarray, x: np.ndarray) -> np.ndarray:
     return np.column_stack([np.interp(when, t_s, column) for column in x.T])
 
@@ -138,8 +157,54 @@ def _near_reversal(data: Measurement, wide: int) -> np.ndarray:
     return np.column_stack([np.convolve(turn, window, mode="same") > 0 for turn in turns.T])
 
 
-def _lag_of_axis(data: Measurement, i: int, slope: np.ndarray) -> tuple[float, float] | None:
-    """Lag of one axis and its standard error, beside all that a smooth effect could do; None where nothing is left."""
+def _lag_of_jumps(data: Measurement) -> dict[Parameter, tuple[float, float]]:
+    """The lag at which sign(v), beside what is smooth, leaves least of the effort; all axes alike."""
+    t, first = data.t_s, data.runs == data.runs[0]
+    turns = np.abs(np.diff(np.sign(data.v[first]), axis=0)).astype(bool).sum(axis=0)
+    own = np.flatnonzero(turns >= _REVERSALS)
+    if not len(own):
+        return {}
+    t, v, r = t[first], data.v[first], (data.force - data.nominal)[first]
+    smooth = [np.linalg.qr(np.column_stack([np.ones(len(t)), v[:, i], data.q[first, i]]))[0] for i in own]
+    left = [r[:, i] - q @ (q.T @ r[:, i]) for i, q in zip(own, smooth, strict=True)]
+
+    def unlikely(lag: float) -> float:
+        """Twice the negative log likelihood, but for a constant."""
+        total = 0.0
+        for i, q, y in zip(own, smooth, left, strict=True):
+            jump = np.sign(np.interp(t - lag, t, v[:, i]))
+            jump -= q @ (q.T @ jump)
+            total += len(t) * np.log(max(y @ y - (jump @ y) ** 2 / max(jump @ jump, 1e-300), 1e-300))
+        return total
+
+    most = float(np.ptp(t) / turns.max() / 4.0)
+    lags = np.linspace(0.0, most, _LAGS)
+    for _ in range(_LEVELS):
+        scores = np.array([unlikely(lag) for lag in lags])
+        best, near = lags[scores.argmin()], 2.0 * (lags[1] - lags[0])
+        lags = np.linspace(max(best - near, 0.0), min(best + near, most), _LAGS)
+    if best <= _STEPS * usual_step(data.t_s, data.runs) or unlikely(0.0) - scores.min() < _EVIDENCE:
+        return {}
+    return {Parameter("tau_s"): (float(best), usual_step(data.t_s, data.runs) / 2.0)}
+
+
+def _mean(lag: np.ndarray, error: np.ndarray) -> tuple[float, float]:
+    """Weighted by their errors, and its own."""
+    weight = 1.0 / error**2
+    return float(np.sum(weight * lag) / np.sum(weight)), float(1.0 / np.sqrt(np.sum(weight)))
+
+
+def _lags(data: Measurement) -> list[tuple[float, float, float]]:
+    """What ``_lag_of_axis`` tells of the axes whose model changes along time."""
+    slope = derivative(data.nominal, data.t_s, data.runs, 0, lambda values, window: values)
+    found = [_lag_of_axis(data, i, slope[:, i]) for i in range(data.n_axes) if np.ptp(slope[:, i]) > 0.0]
+    return [own for own in found if own is not None]
+
+
+def _lag_of_axis(data: Measurement, i: int, slope: np.ndarray) -> tuple[float, float, float] | None:
+    """Lag of one axis, its standard error, and what it makes in parts of what is left, beside all that a smooth effect
+    could do; None where too few samples are left.
+    """
     use = ~_near_reversal(data, _REVERSAL)[:, i] & ~data.is_undecided[:, i] & data.is_motion
     direction, v, f = data.direction[:, i], data.v[:, i], data.nominal[:, i]
     beside = [np.ones(len(v)), direction, v, np.abs(f) * direction, data.q[:, i], f, data.acceleration[:, i]]
@@ -160,6 +225,4 @@ def _lag_of_axis(data: Measurement, i: int, slope: np.ndarray) -> tuple[float, f
     widened = (1 + max(lagged, 0.0)) / (1 - min(max(lagged, 0.0), 0.95))
     unit = np.sqrt(np.mean(slope[use] ** 2))
     error = np.sqrt(inverse[0, 0] * np.mean(left**2) * widened)
-    if abs(theta[0]) < _MATTERS * left.std():
-        return None
-    return theta[0] / unit, error / unit
+    return theta[0] / unit, error / unit, theta[0] / max(left.std(), 1e-300)

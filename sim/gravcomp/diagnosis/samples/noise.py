@@ -7,7 +7,7 @@ Each estimate is the noise and something beside it, so the least of them is take
   is correlated over a few samples shows at the longer ones only;
 - in pose: half the mean square of the difference to the p-th nearest neighbour in position, direction and speed,
   never one beside it in time, drawn over p to distance zero (the Gamma test: Evans and Jones, Proc. R. Soc. A 458,
-  2002).
+  2002) where the line surely rises: drawn through noise alone it ends anywhere.
 
 It is taken of the residual, whose model part hardly changes between neighbours.
 """
@@ -32,6 +32,7 @@ _APART = 0.02  # of the log: samples nearer in time are no repeats, their noise 
 _SAMPLES = 2500  # decide a standard deviation to 2 %
 _SAME_POSE = 1e-3
 _LEAST = 0.3  # of the variance between nearest neighbours: what the line through them may leave at distance zero
+_GROUPS, _RISES = 10, 3.0  # stretches of the log, each left out once; standard errors by which a line surely rises
 
 
 @dataclass(frozen=True)
@@ -103,26 +104,39 @@ def _in_pose(data: Measurement, i: int, r: np.ndarray, keep: np.ndarray, moving)
     apart = max(_APART * len(r), 2.0) if data.is_ordered else 1.0
     is_other = np.abs(rows[near] - rows[:, None]) >= apart
     rank = np.cumsum(is_other, axis=1)
-    away, half = [], []
-    for p in range(1, _NEIGHBOURS + 1):
-        row, column = np.nonzero(is_other & (rank == p))
-        if len(row) < max(0.5 * len(rows), NOISE_SAMPLES):
-            break
-        away.append(np.mean(distance[row, column] ** 2))
-        half.append(_scale(r[rows[row]] - r[rows[near[row, column]]]) ** 2 / 2.0)
-    if not half:
+    pairs = [np.nonzero(is_other & (rank == p)) for p in range(1, _NEIGHBOURS + 1)]
+    pairs = [(row, column) for row, column in pairs if len(row) >= max(0.5 * len(rows), NOISE_SAMPLES)]
+    if not pairs:
         return None
+    away = [np.mean(distance[pair] ** 2) for pair in pairs]
+    difference = [r[rows[row]] - r[rows[near[row, column]]] for row, column in pairs]
+    half = [_scale(own) ** 2 / 2.0 for own in difference]
     if np.sqrt(away[0]) < _SAME_POSE:
         return _Estimate(float(np.sqrt(half[0])), "repeats of a pose")
-    if len(half) < _NEIGHBOURS:
+    is_near = np.sqrt(away[0]) < NEAR_NEIGHBOUR
+    if len(half) < _NEIGHBOURS or (data.is_ordered and not is_near):  # a line through few passes goes too low
         return _Estimate(float(np.sqrt(half[0])), "neighbours in pose, far ones", False)
-    slope, start = np.polyfit(away, half, 1)
-    at_zero = max(start, _LEAST * half[0]) if slope > 0.0 else np.mean(half)
-    if np.sqrt(away[0]) < NEAR_NEIGHBOUR:
-        return _Estimate(float(np.sqrt(at_zero)), "neighbours in pose and speed")
-    if data.is_ordered:  # a line through few passes goes too low
-        return _Estimate(float(np.sqrt(half[0])), "neighbours in pose, far ones", False)
-    return _Estimate(float(np.sqrt(at_zero)), "neighbours in pose, far ones", False)
+    stretch = [row * _GROUPS // len(rows) for row, _ in pairs]
+    at_zero = max(_at_distance_zero(away, difference, stretch), _LEAST * half[0])
+    source = "neighbours in pose and speed" if is_near else "neighbours in pose, far ones"
+    return _Estimate(float(np.sqrt(at_zero)), source, bool(is_near))
+
+
+def _at_distance_zero(away: list[float], difference: list[np.ndarray], stretch: list[np.ndarray]) -> float:
+    """Half the mean square of differences at distance zero: from the line over the squared distances ``away`` of the
+    p-th neighbours, or from the mean where the line does not surely rise. stretch: of the log, of each difference.
+
+    How sure it is tells the jackknife: neighbours share their samples, so their differences are not independent.
+    """
+
+    def mean_and_rise(without: int) -> tuple[float, float]:
+        half = [_scale(own[of != without]) ** 2 / 2.0 for own, of in zip(difference, stretch, strict=True)]
+        return float(np.mean(half)), float(np.mean(half) - np.polyval(np.polyfit(away, half, 1), 0.0))
+
+    mean, rise = mean_and_rise(-1)
+    rises = np.array([mean_and_rise(group)[1] for group in range(_GROUPS)])
+    error = np.sqrt((_GROUPS - 1) * rises.var())
+    return mean - rise if rise > _RISES * error else mean
 
 
 def _state(data: Measurement, moving) -> np.ndarray:

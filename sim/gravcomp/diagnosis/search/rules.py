@@ -286,13 +286,21 @@ def _trifles_dropped(criterion: Criterion, members: Members) -> Members:
 
 
 def _unambiguous(criterion: Criterion, members: Members) -> Members:
-    """Beside corrections, a name that many others could take as well says nothing: drop it."""
+    """Beside corrections, a name that many others could take as well says nothing: drop it.
+
+    An effect that contains the named one, as Stribeck's friction does Coulomb's, is no other explanation.
+    """
     found: dict[str, list[str]] = {}
     for j, near in _rivals(criterion, members):
-        _add_names(found, criterion, j, near)
+        _add_names(found, criterion, j, [pair for pair in near if not _contain(criterion, pair, j)])
     vague = {names[0] for names in found.values() if len(names) > VAGUE}
     effects = criterion.effects_of(members)
     return frozenset(k for k in members if not (k in effects and criterion.terms[k].name in vague))
+
+
+def _contain(criterion: Criterion, others: tuple[int, ...], j: int) -> bool:
+    """Do all columns of term j lie in the span of the others'?"""
+    return criterion.gram.gains(criterion.index(others), [criterion.place[j]])[0][1] == 0
 
 
 def _pruned(criterion: Criterion, members: Members) -> Members:
