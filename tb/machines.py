@@ -1,6 +1,7 @@
 """The shipped machine, and machine folders that differ from it."""
 
 import shutil
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,8 @@ from gravcomp.core.provenance import write_provenance
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.weights import Network, save_network
 from gravcomp.robot.machine import ROBOT_TOML, Drive, load_machine
-from runner import RTL
+from gravcomp_lab.forms import lean_copy
+from runner import BUILD, RTL
 
 SHIPPED = Path(__file__).resolve().parents[1] / "weights" / "spheiro"
 MACHINE = load_machine(SHIPPED)
@@ -46,3 +48,11 @@ def changed(*pairs: tuple[str, str], text: str = MACHINE.text) -> str:
         assert old in text
         text = text.replace(old, new)
     return text
+
+
+@cache
+def lean_shipped() -> tuple[Path, Path]:
+    """The shipped machine in the lean form, and a folder with its packages."""
+    folder, generated = lean_copy(SHIPPED, BUILD), BUILD / "lean" / "generated"
+    write_rom(folder, generated)
+    return folder, generated

@@ -6,6 +6,7 @@ file anew; the difference is for review.
 
 import csv
 import os
+from pathlib import Path
 
 import pytest
 
@@ -16,7 +17,8 @@ from gravcomp_lab.synthesis.report import picture, tables
 from gravcomp_lab.synthesis.survey import MULTIPLIER, TOP, Result, part_of
 from gravcomp_lab.synthesis.verilog import repair, rtl_sources, to_verilog
 from gravcomp_lab.synthesis.yosys import synthesise
-from runner import ROOT, RTL
+from machines import lean_shipped
+from runner import GENERATED, ROOT, RTL
 
 PINS = ROOT / "tb" / "synthesis.csv"
 TARGETS = ("generic", "ecp5", "xilinx", "gowin")
@@ -26,8 +28,8 @@ CASES += [pytest.param(20, target, marks=pytest.mark.slow) for target in ("gener
 INPUTS = OUTPUTS = 3
 
 
-def core(lanes: int, target: str, folder, **options):
-    verilog = to_verilog(rtl_sources(RTL), TOP, {"lanes_g": lanes}, folder / "core.v")
+def core(lanes: int, target: str, folder, generated: Path = GENERATED, **options):
+    verilog = to_verilog(rtl_sources(RTL, generated), TOP, {"lanes_g": lanes}, folder / "core.v")
     mapping = RTL / MULTIPLIER if target == "ecp5" else None
     return synthesise(verilog, TOP, target, folder, mapping=mapping, **options)
 
@@ -66,6 +68,16 @@ def test_pinned_multipliers_are_one_per_product(lanes, products):
     assert numbers[lanes, "ecp5", "MULT18X18D"] == products
     if lanes < 20:
         assert numbers[lanes, "xilinx", "DSP48E1"] == numbers[lanes, "gowin", "MULT18X18"] == products
+
+
+@pytest.mark.parametrize(("lanes", "most_luts"), [(1, 850), (4, 1500), pytest.param(20, 6000, marks=pytest.mark.slow)])
+def test_lean_form_takes_a_multiplier_per_product_and_few_luts(lanes, most_luts, tmp_path):
+    """No scaler; a carry cell takes two LUTs."""
+    _, generated = lean_shipped()
+    cells = core(lanes, "ecp5", tmp_path, generated).cells
+    assert cells["MULT18X18D"] == lanes * (INPUTS + 1 + OUTPUTS)
+    assert cells["LUT4"] + 2 * cells["CCU2C"] <= most_luts
+    assert not [name for name in cells if "dlatch" in name.lower()]
 
 
 def test_pinned_roms_are_logic_not_block_ram():

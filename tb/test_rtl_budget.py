@@ -7,7 +7,8 @@ import pytest
 from codes import weights_under_test
 from gravcomp.network.weights import load_network
 from gravcomp_lab.benches.budget import budget_run
-from machines import rtl_of
+from gravcomp_lab.paper.operations import OperationCount, lean_on_counted
+from machines import lean_shipped, rtl_of
 from runner import BUILD, ROOT, RTL
 from support.ghdl import walks_the_hierarchy
 
@@ -27,6 +28,15 @@ def expected(weights: Path, lanes: int) -> tuple[dict[str, int], dict[str, int]]
 
 def test_network_of_the_paper_takes_166_multiplications_and_43_sums():
     assert expected(ROOT / "weights" / "spheiro", 4)[0] == {"multiplications": 166, "sums": 43}
+
+
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_lean_form_runs_the_operations_of_its_formula(lanes):
+    """p n + n + n m multiplications and n + m sums: no scale, one product in Gamma; its NumPy counts as many."""
+    weights, generated = lean_shipped()
+    network = load_network(weights)
+    assert lean_on_counted(network, network.q_offset)[1] == OperationCount(multiplications=140, sums=23)
+    assert budget_run(lanes, RTL, BUILD / "lean", weights, generated)[0] == {"multiplications": 140, "sums": 23}
 
 
 @pytest.mark.parametrize("lanes", [1, 4])

@@ -8,16 +8,18 @@ from arm import arm_toml
 from axes import random_network
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.inputs import POSITION, SIN_COS
+from gravcomp.robot.machine import LEAN, PAPER, ROBOT_TOML, load_machine
 from machines import machine_folder
 from support.core import check_core
 
 
 def check_machine(inputs: tuple[str, ...], n_hidden: int, lanes: int, folder: Path, **options) -> None:
     """gc_core of a random network equals its model, at its interval and latency."""
-    weights, generated = folder / "weights", folder / "generated"
+    weights, generated, form = folder / "weights", folder / "generated", options.pop("form", PAPER)
     machine_folder(weights, random_network(inputs, n_hidden), arm_toml(len(inputs), inputs=inputs))
+    (weights / ROBOT_TOML).write_text(load_machine(weights).with_form(form).text)
     write_rom(weights, generated)
-    label = f"{''.join(kind[0] for kind in inputs)}-{n_hidden}"
+    label = f"{form}-{''.join(kind[0] for kind in inputs)}-{n_hidden}"
     check_core(lanes, environment={"WEIGHTS": str(weights)}, generated=generated, label=label, **options)
 
 
@@ -26,6 +28,15 @@ def check_machine(inputs: tuple[str, ...], n_hidden: int, lanes: int, folder: Pa
 )
 def test_core_takes_its_sizes_from_the_rom(n_axes, n_hidden, lanes, tmp_path):
     check_machine((POSITION,) * n_axes, n_hidden, lanes, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("n_axes", "n_hidden", "lanes", "loadable"),
+    [(1, 4, 1, "false"), (1, 4, 4, "true"), (2, 7, 2, "true"), (4, 6, 1, "false")],
+)
+def test_lean_core_takes_its_sizes_from_the_rom(n_axes, n_hidden, lanes, loadable, tmp_path):
+    """Padded or not, with scales that differ from axis to axis."""
+    check_machine((POSITION,) * n_axes, n_hidden, lanes, tmp_path, form=LEAN, generics={"loadable_g": loadable})
 
 
 @pytest.mark.parametrize(("n_hidden", "lanes"), [(7, 2), (7, 4), (5, 8)])

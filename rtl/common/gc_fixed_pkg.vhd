@@ -60,26 +60,44 @@ package gc_fixed_pkg is
 
   function hidden_latency (
     inputs : positive;
-    lanes : positive
+    lanes : positive;
+    lean : boolean
+  ) return natural;
+
+  -- Latency of gc_activation, clocks.
+
+  function activation_latency (
+    lean : boolean
   ) return natural;
 
   -- Latency of gc_output_layer from the last of `steps` inputs, clocks.
 
   function output_latency (
     lanes : positive;
-    steps : positive
+    steps : positive;
+    lean : boolean
   ) return natural;
 
-  -- Clocks from a DSP block to an adder. With one lane the clock counts, with several the latency; with all neurons at
-  -- once the blocks of the output layer are all over the chip.
+  -- Latency of gc_output_scaler, clocks.
+
+  function output_scaler_latency (
+    outputs : positive;
+    serial : boolean;
+    lean : boolean
+  ) return natural;
+
+  -- Clocks from a DSP block to an adder. With one lane the clock counts, with several and in the lean form the latency;
+  -- with all neurons at once the blocks of the output layer are all over the chip.
 
   function hidden_term_clocks (
-    lanes : positive
+    lanes : positive;
+    lean : boolean
   ) return natural;
 
   function output_term_clocks (
     lanes : positive;
-    steps : positive
+    steps : positive;
+    lean : boolean
   ) return natural;
 
   -- Drop the lowest bits. The caller guarantees that the result fits `bits`.
@@ -197,48 +215,72 @@ package body gc_fixed_pkg is
 
   function hidden_latency (
     inputs : positive;
-    lanes : positive
+    lanes : positive;
+    lean : boolean
   ) return natural is
   begin
 
-    return 3 + hidden_term_clocks(lanes) + tree_depth(inputs + 1);
+    return 2 + boolean'pos(not lean) + hidden_term_clocks(lanes, lean) + tree_depth(inputs + 1);
 
   end function hidden_latency;
 
+  function activation_latency (
+    lean : boolean
+  ) return natural is
+  begin
+
+    return activation_clocks_c - boolean'pos(lean);
+
+  end function activation_latency;
+
   function output_latency (
     lanes : positive;
-    steps : positive
+    steps : positive;
+    lean : boolean
   ) return natural is
   begin
 
     if steps = 1 then
-      return 2 + output_term_clocks(lanes, steps) + tree_depth(lanes + 1);
+      return 2 + output_term_clocks(lanes, steps, lean) + tree_depth(lanes + 1);
     end if;
 
-    return 3 + output_term_clocks(lanes, steps) + tree_depth(lanes);
+    return 3 + output_term_clocks(lanes, steps, lean) + tree_depth(lanes);
 
   end function output_latency;
 
-  function hidden_term_clocks (
-    lanes : positive
+  function output_scaler_latency (
+    outputs : positive;
+    serial : boolean;
+    lean : boolean
   ) return natural is
   begin
 
-    if lanes = 1 then
+    if lean then
       return 1;
     end if;
 
-    return 0;
+    return 1 + scale_latency(outputs, serial);
+
+  end function output_scaler_latency;
+
+  function hidden_term_clocks (
+    lanes : positive;
+    lean : boolean
+  ) return natural is
+  begin
+
+    return boolean'pos(lanes = 1 and not lean);
 
   end function hidden_term_clocks;
 
   function output_term_clocks (
     lanes : positive;
-    steps : positive
+    steps : positive;
+    lean : boolean
   ) return natural is
   begin
 
-    if lanes = 1 or steps = 1 then
+    if steps = 1 or (lanes = 1 and not lean) then
       return 1;
     end if;
 

@@ -60,8 +60,12 @@ package gc_network_pkg is
   constant fine_step_c   : signed(104 downto 0) :=
     b"00000000000000000000000000000000000_00000000000000000000000000000000000_00000000000000000000000000000000000";
 
-  -- Hidden layer.
+  -- The form: the paper's, or the lean one, whose scales are 1 as its weights hold them.
+  constant lean_c : boolean := false;
+
+  -- Hidden layer; product_drop: bits that a product loses before it is summed.
   constant weight_fraction_c        : natural  := 15;
+  constant hidden_product_drop_c    : natural  := 0;
   constant hidden_sum_bits_c        : positive := 37;
   constant preactivation_fraction_c : natural  := 16;
   constant preactivation_drop_c     : natural  := 16;
@@ -69,9 +73,11 @@ package gc_network_pkg is
   constant hidden_fraction_c        : natural  := 17;
 
   -- Output layer.
-  constant output_weight_fraction_c : natural  := 15;
+  constant output_weight_fraction_c : integer  := 15;
+  constant output_product_drop_c    : natural  := 0;
   constant output_sum_bits_c        : positive := 38;
   constant y_fraction_c             : natural  := 16;
+  constant y_bits_c                 : positive := 18;
   constant output_drop_c            : natural  := 16;
   constant output_bias_c            : signed(113 downto 0) :=
     b"11111110111000010100101101001101011110_00000001001101011010011011011111001110_11111110110100010010011001100010111100";

@@ -9,6 +9,9 @@
 -- 2 with one axis, as its scalers share a multiplier each; with all neurons at once
 -- 18 + ceil(log2(p + 1)) + ceil(log2(lanes_g + 1)), as the bias is a term of the last sum. Where an axis turns, the
 -- input takes turn_latency in place of scaler_latency (gc_fixed_pkg).
+-- In the lean form (lean_c, of the ROM) p n + n + n m multiplications and n + m sums, 140 and 23 for 3-20-3: no
+-- scalers, Gamma as a square. Latency: 8 + ceil(log2(p + 1)) + ceil(log2(lanes_g)) + s clocks, with all neurons at once
+-- 12 + ceil(log2(p + 1)) + ceil(log2(lanes_g + 1)). It takes positions alone.
 -- Overflow: no intermediate can, for any count. Illegal input: counts outside the trained range are clamped and
 -- flagged; an output that does not fit saturates and is flagged.
 
@@ -57,15 +60,16 @@ architecture rtl of gc_core is
 
   constant steps_c   : positive := lane_steps(hidden_c, lanes_g);
   -- With 20 clocks per inference one multiplier per scaler is enough.
-  constant serial_c  : boolean := lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
+  constant serial_c  : boolean := not lean_c and lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
   -- With all neurons at once the lanes are all over the chip: x travels two clocks longer, to a copy per region and on
   -- to one per lane; h one clock.
   constant spread_c  : boolean  := steps_c = 1;
   constant regions_c : positive := 4;
   -- From x to force: copies, lane, activation, output layer, output scaler.
-  constant delay_c   : positive := 3 * boolean'pos(spread_c) + hidden_latency(features_c, lanes_g) + activation_clocks_c
-                                   + (steps_c - 1 + output_latency(lanes_g, steps_c))
-                                   + (1 + scale_latency(outputs_c, serial_c));
+  constant delay_c   : positive := 3 * boolean'pos(spread_c) + hidden_latency(features_c, lanes_g, lean_c)
+                                   + activation_latency(lean_c)
+                                   + (steps_c - 1 + output_latency(lanes_g, steps_c, lean_c))
+                                   + output_scaler_latency(outputs_c, serial_c, lean_c);
 
   -- Clocks since the last accepted counts, and the step of the lanes; both rest at 0.
   signal since        : std_ulogic_vector(steps_c - 1 downto 0);

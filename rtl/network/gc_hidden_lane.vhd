@@ -1,12 +1,13 @@
 -- SPDX-License-Identifier: MIT
 --
 -- a = W x + b for one hidden neuron per clock: features_c products and one n-ary sum with the bias, then saturation to
--- the range [-L, L) of the activation.
+-- the range [-L, L) of the activation. In the lean form products lose bits before they are summed, and no register
+-- follows the saturation: the next multiplier has it.
 --
 -- Lane l of lanes_g computes the neurons l, l + lanes_g ... in turn, one per in_valid, all on the same x.
 -- Formats: 18 bits, x_fraction_c -> 18 bits, preactivation_fraction_c, truncated (half LSB in the bias).
--- Latency: 3 + ceil(log2(features_c + 1)) clocks, one more with one lane. Overflow: the sum cannot, hidden_sum_bits_c
--- holds every partial sum.
+-- Latency: 3 + ceil(log2(features_c + 1)) clocks, one more with one lane; in the lean form 2 + ceil(log2(features_c +
+-- 1)). Overflow: the sum cannot, hidden_sum_bits_c holds every partial sum.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -46,6 +47,7 @@ architecture rtl of gc_hidden_lane is
   constant sum_bits_c     : positive := hidden_sum_bits_c;
   constant bias_low_c     : positive := features_c * operand_bits_c;
   constant product_bits_c : positive := 2 * operand_bits_c;
+  constant kept_bits_c    : positive := hidden_sum_bits_c - preactivation_drop_c;
 
   signal word      : std_ulogic_vector(hidden_word_bits_c - 1 downto 0);
   signal bias_1    : signed(sum_bits_c - 1 downto 0);
@@ -54,8 +56,6 @@ architecture rtl of gc_hidden_lane is
   signal terms_2   : signed((features_c + 1) * sum_bits_c - 1 downto 0);
   signal sum_valid : std_ulogic;
   signal sum       : signed(sum_bits_c - 1 downto 0);
-  signal valid_a   : std_ulogic := '0';
-  signal a         : operand_t;
 
 begin
 
@@ -118,7 +118,7 @@ begin
         out_product => product_2
       );
 
-    terms_2((i + 1) * sum_bits_c - 1 downto i * sum_bits_c) <= resize(product_2, sum_bits_c);
+    terms_2((i + 1) * sum_bits_c - 1 downto i * sum_bits_c) <= truncate(product_2, hidden_product_drop_c, sum_bits_c);
   end generate g_input;
 
   p_bias : process (clk) is
@@ -137,7 +137,7 @@ begin
     generic map (
       terms_g       => features_c + 1,
       bits_g        => sum_bits_c,
-      term_clocks_g => hidden_term_clocks(lanes_g)
+      term_clocks_g => hidden_term_clocks(lanes_g, lean_c)
     )
     port map (
       clk       => clk,
@@ -149,20 +149,32 @@ begin
     );
 
   -- last stage: truncate and saturate
-  p_saturate : process (clk) is
+
+  g_lean : if lean_c generate
+    out_valid <= sum_valid;
+    out_a <= saturate(truncate(sum, preactivation_drop_c, kept_bits_c), operand_bits_c);
+  end generate g_lean;
+
+  g_paper : if not lean_c generate
+    signal valid_a : std_ulogic := '0';
+    signal a       : operand_t;
   begin
 
-    if rising_edge(clk) then
-      a <= saturate(truncate(sum, preactivation_drop_c, sum_bits_c - preactivation_drop_c), operand_bits_c);
-      valid_a <= sum_valid;
-      if rst = '1' then
-        valid_a <= '0';
+    p_saturate : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        a <= saturate(truncate(sum, preactivation_drop_c, kept_bits_c), operand_bits_c);
+        valid_a <= sum_valid;
+        if rst = '1' then
+          valid_a <= '0';
+        end if;
       end if;
-    end if;
 
-  end process p_saturate;
+    end process p_saturate;
 
-  out_valid <= valid_a;
-  out_a <= a;
+    out_valid <= valid_a;
+    out_a <= a;
+  end generate g_paper;
 
 end architecture rtl;

@@ -1,14 +1,15 @@
 -- SPDX-License-Identifier: MIT
 --
--- x = S_i count: drops bits of each encoder count, multiplies by the scale, clamps to the trained range.
+-- x = S_i count: drops bits of each encoder count, multiplies by the scale, clamps to the trained range. In the lean
+-- form the scale is part of the hidden weights: x is the count without those bits, clamped.
 -- Axes that turn are left out: gc_turn_stage takes them.
 --
 -- The count is compared while it is multiplied: the product of a count outside the range is replaced by that of the
 -- limit.
 -- The offset of the normalisation and the half LSBs of the two truncations are part of the hidden biases.
--- Formats: 32-bit counts -> 18 bits, x_fraction_c. Latency: 3 clocks, or their number + 3 with one multiplier; out_x
--- holds until the next result. Overflow: cannot happen after the clamp. Illegal input: a count outside the trained
--- range is clamped and its bit of out_clamped set.
+-- Formats: 32-bit counts -> 18 bits, x_fraction_c. Latency: 3 clocks, or their number + 3 with one multiplier; in the
+-- lean form 1. Out_x holds until the next result. Overflow: cannot happen after the clamp. Illegal input: a count
+-- outside the trained range is clamped and its bit of out_clamped set.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -65,6 +66,8 @@ architecture rtl of gc_input_scaler is
   -- Position k: below the range 2 k, above it 2 k + 1.
   signal outside : std_ulogic_vector(2 * positions_c - 1 downto 0);
   signal far     : std_ulogic_vector(2 * positions_c - 1 downto 0);
+  signal valid_1 : std_ulogic := '0';
+  signal codes_1 : signed(positions_c * operand_bits_c - 1 downto 0);
   signal valid   : std_ulogic;
   signal product : signed(positions_c * product_bits_c - 1 downto 0);
   signal x       : signed(positions_c * operand_bits_c - 1 downto 0);
@@ -133,12 +136,9 @@ begin
 
   end generate g_axis;
 
-  -- One multiplier takes its clocks: the codes wait for it, its products hold.
+  -- stage 1, where nothing multiplies at once: hold
 
-  g_serial : if serial_g generate
-    signal valid_1 : std_ulogic := '0';
-    signal codes_1 : signed(positions_c * operand_bits_c - 1 downto 0);
-  begin
+  g_wait : if serial_g or lean_c generate
 
     p_wait : process (clk) is
     begin
@@ -154,6 +154,27 @@ begin
       end if;
 
     end process p_wait;
+
+  end generate g_wait;
+
+  -- Without a scale the lanes' multipliers take what leaves the clamp into their own registers.
+
+  g_lean : if lean_c generate
+
+    g_code : for k in 0 to positions_c - 1 generate
+      product((k + 1) * product_bits_c - 1 downto k * product_bits_c)
+ <= resize(codes_1((k + 1) * operand_bits_c - 1 downto k * operand_bits_c), product_bits_c);
+    end generate g_code;
+
+    far <= outside;
+    out_valid <= valid_1;
+    out_x <= x;
+    out_clamped <= clamped;
+  end generate g_lean;
+
+  -- One multiplier takes its clocks: the codes wait for it, its products hold.
+
+  g_serial : if serial_g and not lean_c generate
 
     i_scale : entity work.gc_scale
       generic map (
@@ -188,7 +209,7 @@ begin
 
   -- stages 1 and 2: multiply; stage 3: clamp, so that the way from the DSP blocks to all lanes starts at a register
 
-  g_parallel : if not serial_g generate
+  g_parallel : if not serial_g and not lean_c generate
     signal valid_3   : std_ulogic := '0';
     signal x_3       : signed(positions_c * operand_bits_c - 1 downto 0);
     signal clamped_3 : std_ulogic_vector(positions_c - 1 downto 0);

@@ -4,9 +4,10 @@
 -- output that starts from the bias. With all neurons in one clock the bias is a term of the tree instead.
 --
 -- In_valid comes ceil(hidden_c / lanes_g) times per inference, neurons in the order of gc_hidden_lane.
--- Formats: 18 bits, hidden_fraction_c -> output_sum_bits_c, full precision. Latency from the last in_valid of an
--- inference: 3 + ceil(log2(lanes_g)) clocks, 4 with one lane, 3 + ceil(log2(lanes_g + 1)) with all neurons in one
--- clock. Overflow: cannot happen, output_sum_bits_c holds every partial sum.
+-- Formats: 18 bits, hidden_fraction_c -> output_sum_bits_c, full precision, or with products that lose bits in the lean
+-- form. Latency from the last in_valid of an inference: 3 + ceil(log2(lanes_g)) clocks, with one lane 4 in the paper's
+-- form, 3 + ceil(log2(lanes_g + 1)) with all neurons in one clock. Overflow: cannot happen, output_sum_bits_c holds
+-- every partial sum.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -136,7 +137,8 @@ begin
           out_product => product_2
         );
 
-      terms_2((term_c + 1) * sum_bits_c - 1 downto term_c * sum_bits_c) <= resize(product_2, sum_bits_c);
+      terms_2((term_c + 1) * sum_bits_c - 1 downto term_c * sum_bits_c)
+ <= truncate(product_2, output_product_drop_c, sum_bits_c);
     end generate g_output;
 
   end generate g_lane;
@@ -149,7 +151,7 @@ begin
       generic map (
         terms_g       => terms_c,
         bits_g        => sum_bits_c,
-        term_clocks_g => output_term_clocks(lanes_g, steps_c)
+        term_clocks_g => output_term_clocks(lanes_g, steps_c, lean_c)
       )
       port map (
         clk       => clk,

@@ -1,10 +1,12 @@
 -- SPDX-License-Identifier: MIT
 --
--- f = S_o y: truncates and saturates each output sum to y, then multiplies by the output scale.
+-- f = S_o y: truncates and saturates each output sum to y, then multiplies by the output scale. In the lean form the
+-- scale is part of the output weights, and y is the force.
 --
 -- The offset of the normalisation and the half LSBs of the two truncations are part of the output biases.
--- Formats: output_sum_bits_c -> 24 bits, mN. Latency: 3 clocks, or outputs_c + 3 with one multiplier; out_force holds
--- until the next result. Overflow: y saturates and its bit of out_saturated is set; the product cannot overflow.
+-- Formats: output_sum_bits_c -> 24 bits, mN. Latency: 3 clocks, or outputs_c + 3 with one multiplier; in the lean form
+-- 1. Out_force holds until the next result. Overflow: y of y_bits_c saturates and its bit of out_saturated is set; the
+-- product cannot overflow.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -45,9 +47,8 @@ architecture rtl of gc_output_scaler is
   constant kept_bits_c    : positive := output_sum_bits_c - output_drop_c;
 
   signal valid_1     : std_ulogic := '0';
-  signal y_1         : signed(outputs_c * operand_bits_c - 1 downto 0);
+  signal y_1         : signed(outputs_c * y_bits_c - 1 downto 0);
   signal saturated_1 : std_ulogic_vector(outputs_c - 1 downto 0);
-  signal product     : signed(outputs_c * product_bits_c - 1 downto 0);
 
 begin
 
@@ -65,8 +66,8 @@ begin
         if in_valid = '1' then
           total_v := truncate(in_total((i + 1) * output_sum_bits_c - 1 downto i * output_sum_bits_c), output_drop_c,
                               kept_bits_c);
-          y_1((i + 1) * operand_bits_c - 1 downto i * operand_bits_c) <= saturate(total_v, operand_bits_c);
-          saturated_1(i) <= overflows(total_v, operand_bits_c);
+          y_1((i + 1) * y_bits_c - 1 downto i * y_bits_c) <= saturate(total_v, y_bits_c);
+          saturated_1(i) <= overflows(total_v, y_bits_c);
         end if;
       end if;
 
@@ -86,37 +87,54 @@ begin
 
   end process p_valid;
 
-  -- stages 2 and 3: multiply
-  i_scale : entity work.gc_scale
-    generic map (
-      values_g => outputs_c,
-      serial_g => serial_g
-    )
-    port map (
-      clk          => clk,
-      rst          => rst,
-      in_valid     => valid_1,
-      in_values    => y_1,
-      out_valid    => out_valid,
-      out_products => product,
-      factors      => scalars.output_scale
-    );
+  g_lean : if lean_c generate
 
-  g_force : for i in 0 to outputs_c - 1 generate
-    out_force((i + 1) * force_bits_c - 1 downto i * force_bits_c)
+    g_force : for i in 0 to outputs_c - 1 generate
+      out_force((i + 1) * force_bits_c - 1 downto i * force_bits_c)
+ <= resize(y_1((i + 1) * y_bits_c - 1 downto i * y_bits_c), force_bits_c);
+    end generate g_force;
+
+    out_valid <= valid_1;
+    out_saturated <= saturated_1;
+  end generate g_lean;
+
+  g_paper : if not lean_c generate
+    signal product : signed(outputs_c * product_bits_c - 1 downto 0);
+  begin
+
+    -- stages 2 and 3: multiply
+    i_scale : entity work.gc_scale
+      generic map (
+        values_g => outputs_c,
+        serial_g => serial_g
+      )
+      port map (
+        clk          => clk,
+        rst          => rst,
+        in_valid     => valid_1,
+        in_values    => y_1,
+        out_valid    => out_valid,
+        out_products => product,
+        factors      => scalars.output_scale
+      );
+
+    g_force : for i in 0 to outputs_c - 1 generate
+      out_force((i + 1) * force_bits_c - 1 downto i * force_bits_c)
  <= truncate(product((i + 1) * product_bits_c - 1 downto i * product_bits_c), output_scale_fraction_c(i),
              force_bits_c);
-  end generate g_force;
+    end generate g_force;
 
-  i_flags : entity work.gc_delay
-    generic map (
-      bits_g   => outputs_c,
-      clocks_g => scale_latency(outputs_c, serial_g)
-    )
-    port map (
-      clk      => clk,
-      in_data  => saturated_1,
-      out_data => out_saturated
-    );
+    i_flags : entity work.gc_delay
+      generic map (
+        bits_g   => outputs_c,
+        clocks_g => scale_latency(outputs_c, serial_g)
+      )
+      port map (
+        clk      => clk,
+        in_data  => saturated_1,
+        out_data => out_saturated
+      );
+
+  end generate g_paper;
 
 end architecture rtl;

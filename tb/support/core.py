@@ -30,7 +30,7 @@ def assert_run_is_right(run: CoreRun, lanes: int) -> None:
         np.testing.assert_array_equal(getattr(run, name), getattr(expected, name))
     assert run.interval == lane_steps(fixed, lanes)
     assert run.latency == core_latency(fixed, lanes)
-    cost = CoreCost(fixed.n_hidden, fixed.n_inputs, fixed.n_axes, lanes)
+    cost = CoreCost(fixed.n_hidden, fixed.n_inputs, fixed.n_axes, lanes, fixed.is_lean)
     assert (cost.interval, cost.latency) == (run.interval, run.latency)
 
 
@@ -44,6 +44,8 @@ def core_latency(fixed: FixedNetwork, lanes: int) -> int:
     steps, n = lane_steps(fixed, lanes), fixed.n_axes
     is_once, is_serial = steps == 1, lanes == 1 and steps >= n
     trees = int(np.ceil(np.log2(fixed.n_inputs + 1))) + int(np.ceil(np.log2(lanes + is_once)))
+    if fixed.is_lean:
+        return 8 + steps + trees + (3 if is_once else 0)
     scaler = n if is_serial and n > 1 else 0  # a shared multiplier takes its clocks
     turns = int(fixed.is_turning.sum())
     wait = 11 + (turns if steps >= turns > 1 else 0) if turns else scaler

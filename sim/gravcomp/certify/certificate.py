@@ -45,6 +45,10 @@ class Certifier:
     """
 
     def __init__(self, machine: Machine, fixed: FixedNetwork):
+        if fixed.is_lean:
+            raise InputError(
+                f"{machine.where}: [network] form = 'lean': the paper's form alone is followed; give form = 'paper'"
+            )
         if not isinstance(machine.robot, HasFormula):
             raise InputError(
                 f"{machine.where}: [model] kind = {machine.table['model']['kind']!r}: efforts are known at single "

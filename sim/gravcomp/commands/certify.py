@@ -22,7 +22,7 @@ def run(arguments):
     from gravcomp.certify.certificate import Certifier, certify
     from gravcomp.certify.report import lines
     from gravcomp.core.folder import load_folder
-    from gravcomp.core.formats import quantise
+    from gravcomp.core.quantised import quantised
 
     for name in ("bound", "gap", "minutes"):
         value = getattr(arguments, name)
@@ -31,7 +31,7 @@ def run(arguments):
     if arguments.seed < 0:
         raise InputError(f"--seed {arguments.seed}: give a number from 0 on")
     content = load_folder(arguments.weights)
-    certifier = Certifier(content.machine, quantise(content.network, content.machine.drive, arguments.weights))
+    certifier = Certifier(content.machine, quantised(content.machine, content.network, arguments.weights))
     certificate = certify(certifier, arguments.gap / 100.0, arguments.bound, 60.0 * arguments.minutes, arguments.seed)
     print("\n".join(lines(certifier, certificate, arguments.seed)))
     if arguments.bound is not None and not certificate.is_complete:

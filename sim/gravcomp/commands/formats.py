@@ -13,13 +13,13 @@ def run(arguments):
     import numpy as np
 
     from gravcomp.core.folder import load_folder
-    from gravcomp.core.formats import quantise
+    from gravcomp.core.quantised import quantised
     from gravcomp.twin.bounds import fixed_point_error_mn, intervals
     from gravcomp.twin.precision import certified, precision
 
     content = load_folder(arguments.weights)
     network, machine = content.network, content.machine
-    fixed = quantise(network, machine.drive, arguments.weights)
+    fixed = quantised(machine, network, arguments.weights)
     print("Codes over all 2^32 counts per axis, by interval arithmetic on the weights:\n")
     print("| signal | lowest | highest | bits needed | bits |\n|---|---|---|---|---|")
     for name, interval in intervals(fixed).items():

@@ -20,13 +20,13 @@ def add_arguments(parser):
 
 def run(arguments):
     from gravcomp.core.folder import load_folder
-    from gravcomp.core.formats import quantise
+    from gravcomp.core.quantised import quantised
     from gravcomp.twin.vectors import random_vectors
 
     if arguments.number < 1 or arguments.seed < 0:
         raise InputError("--number must be at least 1 and --seed at least 0; correct them")
     content = load_folder(arguments.weights)
-    fixed = quantise(content.network, content.machine.drive, arguments.weights)
+    fixed = quantised(content.machine, content.network, arguments.weights)
     rows = random_vectors(fixed, arguments.number, arguments.seed)
     write_atomically(arguments.out, "".join(" ".join(map(str, row)) + "\n" for row in rows))
     print(f"{arguments.out}: {len(rows)} inferences of {arguments.weights}, seed {arguments.seed}")

@@ -1,4 +1,7 @@
-"""What a network costs in gc_core: operations, multipliers, clocks. Sines and cosines cost no operations here."""
+"""What a network costs in gc_core, in either form: operations, multipliers, clocks.
+
+Sines and cosines cost no operations here.
+"""
 
 from dataclasses import dataclass
 from math import ceil, log2
@@ -13,22 +16,25 @@ class CoreCost:
 
     multiplications and sums of an inference, without those that make sines and cosines; multipliers of 18 by 18 bits,
     at most (a product by theta = 1/4 is a shift, one by a constant may be); interval and latency in clocks, from
-    accepted counts to efforts.
+    accepted counts to efforts. is_lean: without scalers, Gamma as a square.
     """
 
     neurons: int
     inputs: int
     axes: int
     lanes: int
+    is_lean: bool = False
 
     @property
     def multiplications(self) -> int:
         n, p, m = self.neurons, self.inputs, self.axes
+        if self.is_lean:
+            return p * n + n + n * m
         return p + p * n + 2 * n + n * m + m
 
     @property
     def sums(self) -> int:
-        return 2 * self.neurons + self.axes
+        return (1 if self.is_lean else 2) * self.neurons + self.axes
 
     @property
     def turns(self) -> int:
@@ -36,6 +42,8 @@ class CoreCost:
 
     @property
     def multipliers(self) -> int:
+        if self.is_lean:
+            return self.lanes * (self.inputs + 1 + self.axes)
         positions = self.axes - self.turns
         scalers = min(positions, 1) + 1 if self._scalers_share else positions + self.axes
         ways = min(self.turns, 1) if self._turns_share else self.turns
@@ -49,6 +57,8 @@ class CoreCost:
     def latency(self) -> int:
         is_once = self.interval == 1 < self.neurons
         trees = ceil(log2(self.inputs + 1)) + ceil(log2(self.lanes + is_once))
+        if self.is_lean:
+            return 8 + (3 if is_once else 0) + trees + self.interval
         scaler = self.axes if self._scalers_share and self.axes > 1 else 0
         turns = _TURN_CLOCKS + (self.turns if self._turns_share and self.turns > 1 else 0)
         stages = 14 + (3 if is_once else 2 if self.lanes == 1 else 0)

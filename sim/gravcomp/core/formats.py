@@ -11,6 +11,8 @@ Signals, in order (code = value * 2**fraction, truncated):
           -> acc = V h + b -> y -> force in mN
 
 An axis with input sin_cos gives two x, sine and cosine of its phase, by another way: gravcomp.twin.sin_cos.
+
+This is the paper's form of the network. gravcomp.core.lean makes the lean one of it, in the same FixedNetwork.
 """
 
 import math
@@ -67,6 +69,11 @@ class FixedNetwork:
     current_scale, current_scale_fraction (n,): current in uA = effort * current_scale >> current_scale_fraction, which
     saturates.
     hidden_sum_bits, output_sum_bits: widths in which no partial sum can overflow for any count (see bounds).
+    y_bits: width to which y saturates.
+
+    In the lean form (is_lean) both scales are 1, with no fraction: x is the count code and y the effort in mN or mNm,
+    weights are per code of x and per mN. Products lose hidden_product_drop and output_product_drop bits before they
+    are summed, and biases have as many fraction bits less.
     """
 
     inputs: tuple[str, ...]
@@ -93,6 +100,10 @@ class FixedNetwork:
     output_scale_fraction: np.ndarray
     current_scale: np.ndarray
     current_scale_fraction: np.ndarray
+    y_bits: int = OPERAND_BITS
+    hidden_product_drop: int = 0
+    output_product_drop: int = 0
+    is_lean: bool = False
 
     @property
     def n_hidden(self) -> int:
@@ -115,12 +126,12 @@ class FixedNetwork:
     @property
     def preactivation_drop(self) -> int:
         """Bits that truncation drops from the hidden sum to the pre-activation a."""
-        return self.x_fraction + self.weight_fraction - PREACTIVATION_FRACTION
+        return self.x_fraction + self.weight_fraction - self.hidden_product_drop - PREACTIVATION_FRACTION
 
     @property
     def output_drop(self) -> int:
         """Bits that truncation drops from the output sum to y."""
-        return HIDDEN_FRACTION + self.output_weight_fraction - self.y_fraction
+        return HIDDEN_FRACTION + self.output_weight_fraction - self.output_product_drop - self.y_fraction
 
 
 # Values that overflow a float become inf here, and no format holds inf.
@@ -134,16 +145,8 @@ def quantise(
     fractions and shifts are kept. Raises InputError naming file, row and column when a format cannot hold a value.
     """
     folder, kept = Path(folder), vars(formats) if formats else {}
-    if formats and (network.n_axes, network.n_hidden) != (formats.n_axes, formats.n_hidden):
-        raise InputError(
-            f"{folder}: {network.n_axes} axes and {network.n_hidden} neurons, but the core has {formats.n_axes} and "
-            f"{formats.n_hidden}; give a network of its size"
-        )
-    if formats and network.inputs != formats.inputs:
-        raise InputError(
-            f"{folder / HIDDEN_CSV}: inputs {', '.join(network.inputs)}, but the core has {', '.join(formats.inputs)}; "
-            "give a network of its inputs"
-        )
+    if formats:
+        check_size(network, formats, folder)
     inputs = _input_stage(network, drive, folder / SCALING_CSV, kept)
     if formats:
         _check_turns(inputs, formats, folder / ROBOT_TOML)
@@ -163,12 +166,27 @@ def quantise(
     )
 
 
-def partial_sum_interval(weights: np.ndarray, bias: np.ndarray, low, high) -> tuple[int, int]:
+def check_size(network: Network, formats: FixedNetwork, folder: Path) -> None:
+    """Raise InputError unless a network has the size and the inputs of a core that is built."""
+    if (network.n_axes, network.n_hidden) != (formats.n_axes, formats.n_hidden):
+        raise InputError(
+            f"{folder}: {network.n_axes} axes and {network.n_hidden} neurons, but the core has {formats.n_axes} and "
+            f"{formats.n_hidden}; give a network of its size"
+        )
+    if network.inputs != formats.inputs:
+        raise InputError(
+            f"{folder / HIDDEN_CSV}: inputs {', '.join(network.inputs)}, but the core has {', '.join(formats.inputs)}; "
+            "give a network of its inputs"
+        )
+
+
+def partial_sum_interval(weights: np.ndarray, bias: np.ndarray, low, high, drop: int = 0) -> tuple[int, int]:
     """Interval of every partial sum of bias + weights @ signal, in any order of addition, signal in [low, high].
 
-    weights (m, k), bias (m,), low and high scalars or (k,): integers. Returns (lowest, highest).
+    weights (m, k), bias (m,), low and high scalars or (k,): integers. Each product loses drop bits by truncation first.
+    Returns (lowest, highest).
     """
-    extremes = np.stack([weights * low, weights * high])
+    extremes = np.stack([weights * low, weights * high]) >> drop
     lowest = np.minimum(extremes.min(axis=0), 0).sum(axis=1) + np.minimum(bias, 0)
     highest = np.maximum(extremes.max(axis=0), 0).sum(axis=1) + np.maximum(bias, 0)
     return int(lowest.min()), int(highest.max())
@@ -187,9 +205,11 @@ def _input_stage(network: Network, drive: Drive, path: Path, kept: Mapping) -> d
             f"{path}: row {row}, column q_offset: not 0, but the input is sin_cos; turn the weights instead"
         )
     low, high = _clamp(network, drive, is_phase, path)
-    count_shift = _count_shift(np.where(is_phase, 0, low), np.where(is_phase, 0, high), path, kept.get("count_shift"))
+    count_shift = shift_of_counts(
+        np.where(is_phase, 0, low), np.where(is_phase, 0, high), path, kept.get("count_shift")
+    )
     x_offset = network.q_offset * network.q_scale
-    x_fraction = _fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset"], kept.get("x_fraction"))
+    x_fraction = fraction_for(np.abs(x_offset)[:, None] + INPUT_LIMIT, path, ["q_offset"], kept.get("x_fraction"))
     per_code = 2.0**count_shift * drive.unit_per_count * network.q_scale * 2.0**x_fraction
     where = f"{path}: row {{row}}, column q_scale"
     input_scale, input_scale_fraction = _scales(per_code, where, kept.get("input_scale_fraction"), used=~is_phase)
@@ -247,8 +267,8 @@ def _clamp(network: Network, drive: Drive, is_phase: np.ndarray, path: Path) -> 
 
 def _hidden_stage(network: Network, drive: Drive, inputs: Mapping, path: Path, kept: Mapping) -> dict:
     columns = weight_columns(network.inputs)
-    weight_fraction = _fraction_for(network.hidden_weights, path, columns, kept.get("weight_fraction"))
-    weights = _codes(network.hidden_weights, weight_fraction)
+    weight_fraction = fraction_for(network.hidden_weights, path, columns, kept.get("weight_fraction"))
+    weights = codes(network.hidden_weights, weight_fraction)
     # What the code of x lacks on average: half its LSB, the dropped bits of the count, the offset of the scaling.
     dropped_count = (2.0 ** inputs["count_shift"] - 1) / 2
     x_lacks = (
@@ -263,26 +283,24 @@ def _hidden_stage(network: Network, drive: Drive, inputs: Mapping, path: Path, k
     sum_fraction = inputs["x_fraction"] + weight_fraction
     if sum_fraction < PREACTIVATION_FRACTION:
         raise InputError(f"{path}: weights too large for the range of x in scaling.csv; retrain with smaller ones")
-    bias_codes = _bias_codes(bias, sum_fraction, path)
-    interval = partial_sum_interval(weights, bias_codes, inputs["x_low"], inputs["x_high"])
+    bias = bias_codes(bias, sum_fraction, path)
+    interval = partial_sum_interval(weights, bias, inputs["x_low"], inputs["x_high"])
     return {
         "hidden_weights": weights,
         "weight_fraction": weight_fraction,
-        "hidden_bias": bias_codes,
-        "hidden_sum_bits": _sum_bits(
-            interval, sum_fraction - PREACTIVATION_FRACTION, path, kept.get("hidden_sum_bits")
-        ),
+        "hidden_bias": bias,
+        "hidden_sum_bits": sum_bits(interval, sum_fraction - PREACTIVATION_FRACTION, path, kept.get("hidden_sum_bits")),
     }
 
 
 def _output_stage(network: Network, folder: Path, kept: Mapping) -> dict:
     path, scaling = folder / OUTPUT_CSV, folder / SCALING_CSV
     columns = [f"v_{j}" for j in range(1, network.n_hidden + 1)]
-    weight_fraction = _fraction_for(network.output_weights, path, columns, kept.get("output_weight_fraction"))
-    weights = _codes(network.output_weights, weight_fraction)
+    weight_fraction = fraction_for(network.output_weights, path, columns, kept.get("output_weight_fraction"))
+    weights = codes(network.output_weights, weight_fraction)
     f_ratio = network.f_offset / network.f_scale
     y_largest = (np.abs(f_ratio)[:, None] + 1.0) * OUTPUT_HEADROOM
-    y_fraction = _fraction_for(y_largest, scaling, ["f_offset / f_scale"], kept.get("y_fraction"))
+    y_fraction = fraction_for(y_largest, scaling, ["f_offset / f_scale"], kept.get("y_fraction"))
     where = f"{scaling}: row {{row}}, column f_scale"
     output_scale, scale_fraction = _scales(
         1000.0 * network.f_scale * 2.0**-y_fraction, where, kept.get("output_scale_fraction")
@@ -299,13 +317,13 @@ def _output_stage(network: Network, folder: Path, kept: Mapping) -> dict:
     )
     if HIDDEN_FRACTION + weight_fraction < y_fraction:
         raise InputError(f"{path}: weights too large for the range of y in {SCALING_CSV}; retrain with smaller ones")
-    bias_codes = _bias_codes(network.output_bias + f_ratio + lacks, HIDDEN_FRACTION + weight_fraction, path)
-    interval = partial_sum_interval(weights, bias_codes, -(2**HIDDEN_FRACTION), 2**HIDDEN_FRACTION - 1)
+    bias = bias_codes(network.output_bias + f_ratio + lacks, HIDDEN_FRACTION + weight_fraction, path)
+    interval = partial_sum_interval(weights, bias, -(2**HIDDEN_FRACTION), 2**HIDDEN_FRACTION - 1)
     return {
         "output_weights": weights,
         "output_weight_fraction": weight_fraction,
-        "output_bias": bias_codes,
-        "output_sum_bits": _sum_bits(
+        "output_bias": bias,
+        "output_sum_bits": sum_bits(
             interval, HIDDEN_FRACTION + weight_fraction - y_fraction, path, kept.get("output_sum_bits")
         ),
         "y_fraction": y_fraction,
@@ -314,7 +332,7 @@ def _output_stage(network: Network, folder: Path, kept: Mapping) -> dict:
     }
 
 
-def _count_shift(low: np.ndarray, high: np.ndarray, path: Path, kept: np.ndarray | None) -> np.ndarray:
+def shift_of_counts(low: np.ndarray, high: np.ndarray, path: Path, kept: np.ndarray | None) -> np.ndarray:
     """Bits of each axis' count (n,) to drop so that its limits fit an operand, or those that the core drops."""
     needed = [bits_for(int(ends[0]), int(ends[1])) for ends in zip(low, high, strict=True)]
     least = np.maximum(0, np.array(needed, dtype=np.int64) - OPERAND_BITS)
@@ -328,39 +346,46 @@ def _count_shift(low: np.ndarray, high: np.ndarray, path: Path, kept: np.ndarray
     return kept
 
 
-def _fraction_for(values: np.ndarray, path: Path, columns: list[str], kept: int | None = None) -> int:
-    """Most fraction bits with which an 18-bit operand holds every value of a table (rows, columns), or kept ones."""
+def fraction_for(
+    values: np.ndarray,
+    path: Path,
+    columns: list[str],
+    kept: int | None = None,
+    ends: tuple[int, int] = (0, _FRACTION_MAX),
+) -> int:
+    """Most fraction bits, within ends, with which an 18-bit operand holds every value of a table (rows, columns), or
+    kept ones."""
     row, column = np.unravel_index(np.argmax(np.abs(values)), values.shape)
     largest = abs(float(values[row, column]))
-    fraction = -1 if math.isinf(largest) else _FRACTION_MAX
+    least, most = ends if kept is None else (kept, kept)
+    fraction = least - 1 if math.isinf(largest) else most
     if 0 < largest < math.inf:
         fraction = OPERAND_BITS - 1 - math.ceil(math.log2(largest))
-    if fraction >= 0 and round(largest * 2.0**fraction) > _OPERAND_MAX:
+    if fraction >= least and round(largest * 2.0**fraction) > _OPERAND_MAX:
         fraction -= 1
-    least = kept or 0
     if fraction < least:
         raise InputError(
             f"{path}: row {row + 1}, column {columns[column]}: {values[row, column]:g} does not fit "
             f"{OPERAND_BITS} bits (limit {_OPERAND_MAX / 2**least:.6g}); give smaller values"
         )
-    return min(fraction, _FRACTION_MAX) if kept is None else kept
+    return min(fraction, most)
 
 
-def _codes(values: np.ndarray, fraction: int) -> np.ndarray:
+def codes(values: np.ndarray, fraction: int) -> np.ndarray:
     return np.rint(values * 2.0**fraction).astype(np.int64)
 
 
-def _bias_codes(bias: np.ndarray, fraction: int, path: Path) -> np.ndarray:
+def bias_codes(bias: np.ndarray, fraction: int, path: Path) -> np.ndarray:
     row = int(np.argmax(np.abs(bias)))
     if abs(bias[row]) * 2.0**fraction >= 2 ** (ACCUMULATOR_BITS - 1):
         raise InputError(
             f"{path}: row {row + 1}, column bias: {bias[row]:g} does not fit the sum's {ACCUMULATOR_BITS} bits; "
             "give a smaller bias"
         )
-    return _codes(bias, fraction)
+    return codes(bias, fraction)
 
 
-def _sum_bits(interval: tuple[int, int], drop: int, path: Path, kept: int | None) -> int:
+def sum_bits(interval: tuple[int, int], drop: int, path: Path, kept: int | None) -> int:
     """Width of a sum from which drop bits are dropped next, at least one operand wide after that, or a kept width."""
     bits, limit = max(bits_for(*interval), drop + OPERAND_BITS), kept or ACCUMULATOR_BITS
     if bits > limit:

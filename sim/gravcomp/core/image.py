@@ -20,7 +20,8 @@ import numpy as np
 from gravcomp.core import formats as q
 from gravcomp.core.compensator_tables import PHASE_STEP_BITS, FixedCompensation, quantise_compensation
 from gravcomp.core.folder import load_folder
-from gravcomp.core.formats import FixedNetwork, quantise
+from gravcomp.core.formats import FixedNetwork
+from gravcomp.core.quantised import quantised
 from gravcomp.errors import InputError
 from gravcomp.facts import IMAGE_SCALARS, IMAGE_SECTIONS, IMAGE_WORD_BITS
 from gravcomp.twin.precision import Precision, certified, precision
@@ -50,8 +51,8 @@ class Image:
 def load_image(folder: Path | str, rom: Path | str) -> Image:
     """The image of a machine folder for a core whose ROM was made from the folder rom.
 
-    Raises InputError when one of them cannot be read, when the network has another size or the core another clock, or
-    when a format of the core cannot hold a value or a sum, or costs too much.
+    Raises InputError when one of them cannot be read, when the network has another size or form or the core another
+    clock, or when a format of the core cannot hold a value or a sum, or costs too much.
     """
     built, given = load_folder(rom), load_folder(folder)
     if given.machine.clock_hz != built.machine.clock_hz:
@@ -60,8 +61,8 @@ def load_image(folder: Path | str, rom: Path | str) -> Image:
             f"{built.machine.clock_hz:g}; give that"
         )
     drive = given.machine.drive
-    formats = quantise(built.network, built.machine.drive, rom)
-    network = quantise(given.network, drive, folder, formats)
+    formats = quantised(built.machine, built.network, rom)
+    network = quantised(given.machine, given.network, folder, formats)
     cost = certified(precision(given.network, network, drive.unit_per_count, built.network), folder, rom)
     compensation = quantise_compensation(given.compensation, drive, folder)
     return Image(image_words(network, compensation), network, compensation, cost)

@@ -12,8 +12,8 @@ import numpy as np
 from gravcomp.core.compensation import load_compensation
 from gravcomp.core.compensator_tables import quantise_compensation
 from gravcomp.core.folder import MachineFolder, load_folder, save_folder
-from gravcomp.core.formats import quantise
 from gravcomp.core.provenance import PROVENANCE_JSON, provenance_text
+from gravcomp.core.quantised import quantised
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.model import Model, model_toml
@@ -164,6 +164,6 @@ def fixed_point_mn(folder: Path, run: str, samples: dict[str, np.ndarray]) -> np
     weights = weights_folder(folder, run)
     content, counts = load_folder(weights), samples["count"]
     drive = content.machine.drive
-    force_mn = core(counts, quantise(content.network, drive, weights)).force_mn
+    force_mn = core(counts, quantised(content.machine, content.network, weights)).force_mn
     tables = quantise_compensation(content.compensation, drive, weights)
     return compensator(force_mn, counts, samples["period"], tables)[0]

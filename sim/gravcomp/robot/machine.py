@@ -1,7 +1,8 @@
 """The machine: robot.toml of a weights folder. What is to be held, and how the core meets it.
 
 ``[model]`` says where the statics come from, ``[[axis]]`` what an encoder's count and an ampere are, ``clock_hz`` how
-fast the core runs, ``[network] activation`` what the network was trained with. docs/guide/machine.md describes it.
+fast the core runs, ``[network] activation`` what the network was trained with, ``form`` how the core computes
+it. docs/guide/machine.md describes it.
 """
 
 import hashlib
@@ -28,6 +29,7 @@ MAX_AXES = 8
 # What the hardware computes; any other activation needs `gravcomp train --from`.
 HARDWARE_ACTIVATION = "gamma"
 ACTIVATIONS = (HARDWARE_ACTIVATION, "tanh")
+PAPER, LEAN = FORMS = ("paper", "lean")
 EFFORT_UNITS = {"m": "N", "rad": "Nm"}
 COUNTS = {"m": "counts_per_m", "rad": "counts_per_turn"}  # key of [[axis]] by the axis' unit
 _ALL_COUNTS = 2**32  # that a counter takes
@@ -79,6 +81,7 @@ class Machine:
     name: str
     clock_hz: float
     activation: str
+    form: str
     robot: Robot
     axes: tuple[Axis, ...]
     text: str
@@ -150,14 +153,22 @@ class Machine:
         return turns
 
     def core_facts(self) -> str:
-        """What the ROM holds of this machine, as text for its hash: clock, counts, efforts per ampere, activation."""
+        """What the ROM holds of this machine, as text for its hash: clock, counts, efforts per ampere, activation,
+        form."""
         axes = [[a.unit, a.counts_per_unit, a.effort_per_ampere, a.index_period, *_other_input(a)] for a in self.axes]
-        return json.dumps([self.clock_hz, self.activation, axes])
+        other_form = [] if self.form == PAPER else [self.form]
+        return json.dumps([self.clock_hz, self.activation, axes, *other_form])
 
     def with_activation(self, activation: str) -> "Machine":
         """The same machine, with a network of another activation."""
         pattern = r'^(\s*activation\s*=\s*)"[^"]*"'
         return replace(self, activation=activation, text=re.sub(pattern, rf'\1"{activation}"', self.text, flags=re.M))
+
+    def with_form(self, form: str) -> "Machine":
+        """The same machine, its network in another form."""
+        without = re.sub(r'^\s*form\s*=\s*"(paper|lean)".*\n', "", self.text, flags=re.M)
+        text = re.sub(r"^\s*\[network\].*\n", rf'\g<0>form = "{form}"\n', without, flags=re.M)
+        return parse_machine(text, self.where)
 
 
 def load_machine(folder: Path | str) -> Machine:
@@ -190,6 +201,9 @@ def parse_machine(text: str, where: str) -> Machine:
     activation = entry(entry(table, where, "network"), f"{where}: [network]", "activation")
     if activation not in ACTIVATIONS:
         raise InputError(f"{where}: [network] activation = {activation!r}; give one of {', '.join(ACTIVATIONS)}")
+    form = table["network"].get("form", PAPER)
+    if form not in FORMS:
+        raise InputError(f"{where}: [network] form = {form!r}; give one of {', '.join(FORMS)}")
     robot = robot_from_table(table, where)
     entries = entry(table, where, "axis")
     if not isinstance(entries, list) or not 1 <= len(entries) <= MAX_AXES:
@@ -198,7 +212,7 @@ def parse_machine(text: str, where: str) -> Machine:
         raise InputError(f"{where}: {len(entries)} tables [[axis]], but the robot has {robot.n_axes} axes")
     axes = tuple(_axis(table, f"{where}: axis {k + 1}", robot, k) for k, table in enumerate(entries))
     name = table.get("name", Path(where).parent.name)
-    return Machine(str(name), clock_hz, activation, robot, axes, text, where)
+    return Machine(str(name), clock_hz, activation, form, robot, axes, text, where)
 
 
 def _other_input(axis: Axis) -> list[str]:

@@ -31,27 +31,38 @@ def intervals(fixed: FixedNetwork) -> dict[str, Interval]:
     Interval arithmetic on the constants that the hardware holds, no sampling. A sum's interval holds every partial sum,
     in any order of addition.
     """
-    half = 2 ** (q.OPERAND_BITS - 1)
-    hidden_sum = partial_sum_interval(fixed.hidden_weights, fixed.hidden_bias, fixed.x_low, fixed.x_high)
-    # At a = 0 the slope wraps and its product is 0 all the same; elsewhere |a| >= 1.
-    beta = 2 ** (q.SLOPE_FRACTION + 1)
-    slope = (beta - half) >> 1, (beta - 1) >> 1
-    # Gamma rises with a over the whole format: its ends are those of a.
-    h = tuple(int(bittrue.activation(np.array(edge))) for edge in (-half, half - 1))
-    output_sum = partial_sum_interval(fixed.output_weights, fixed.output_bias, *h)
-    force = [y * fixed.output_scale >> fixed.output_scale_fraction for y in (-half, half - 1)]
+    hidden_sum = partial_sum_interval(
+        fixed.hidden_weights, fixed.hidden_bias, fixed.x_low, fixed.x_high, fixed.hidden_product_drop
+    )
+    gamma, h = _activation_intervals(fixed)
+    output_sum = partial_sum_interval(fixed.output_weights, fixed.output_bias, *h, fixed.output_product_drop)
+    largest_y = 2 ** (fixed.y_bits - 1)
+    force = [y * fixed.output_scale >> fixed.output_scale_fraction for y in (-largest_y, largest_y - 1)]
     full_force = 2 ** (q.FORCE_BITS - 1)
     current = [bittrue.current_scaler(np.array(f), fixed) for f in (-full_force, full_force - 1)]
     return {
         **_input_intervals(fixed),
         "x": Interval(int(fixed.x_low.min()), int(fixed.x_high.max()), q.OPERAND_BITS),
         "hidden sum": Interval(*hidden_sum, fixed.hidden_sum_bits),
-        "slope of Gamma": Interval(*slope, q.OPERAND_BITS),
+        **gamma,
         "h": Interval(*h, q.OPERAND_BITS),
         "output sum": Interval(*output_sum, fixed.output_sum_bits),
         "force, mN": Interval(int(force[0].min()), int(force[1].max()), q.FORCE_BITS),
         "current, uA": Interval(int(current[0].min()), int(current[1].max()), q.CURRENT_BITS),
     }
+
+
+def _activation_intervals(fixed: FixedNetwork) -> tuple[dict[str, Interval], tuple[int, int]]:
+    """What Gamma multiplies, and the ends of h."""
+    half = 2 ** (q.OPERAND_BITS - 1)
+    if fixed.is_lean:
+        return {"u of Gamma": Interval(0, half - 1, q.OPERAND_BITS)}, (-half, half - 1)
+    # At a = 0 the slope wraps and its product is 0 all the same; elsewhere |a| >= 1.
+    beta = 2 ** (q.SLOPE_FRACTION + 1)
+    slope = Interval((beta - half) >> 1, (beta - 1) >> 1, q.OPERAND_BITS)
+    # Gamma rises with a over the whole format: its ends are those of a.
+    ends = (int(bittrue.activation(np.array(edge))) for edge in (-half, half - 1))
+    return {"slope of Gamma": slope}, tuple(ends)
 
 
 def _input_intervals(fixed: FixedNetwork) -> dict[str, Interval]:

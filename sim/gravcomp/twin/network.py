@@ -55,12 +55,19 @@ def turn_stage(count: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
 
 def hidden_lane(x: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
     """gc_hidden_lane: codes of x (..., p) to those of the pre-activations (..., h), saturated to [-2, 2)."""
-    total = x @ fixed.hidden_weights.T + fixed.hidden_bias
+    total = _sums(x, fixed.hidden_weights, fixed.hidden_product_drop) + fixed.hidden_bias
     return saturate(total >> fixed.preactivation_drop, q.OPERAND_BITS)[0]
 
 
+def _sums(signal: np.ndarray, weights: np.ndarray, drop: int) -> np.ndarray:
+    """Sums (..., m) of products of weights (m, k) and a signal (..., k), each less drop bits."""
+    if not drop:
+        return signal @ weights.T
+    return (signal[..., None, :] * weights >> drop).sum(axis=-1)
+
+
 def activation(a: np.ndarray) -> np.ndarray:
-    """gc_activation: h = Gamma(a) = a (beta - theta |a|).
+    """gc_activation in the paper's form: h = Gamma(a) = a (beta - theta |a|).
 
     The slope is truncated, so h stays below +1; at a = 0 it is +1, which does not fit its 18 bits, but then h is 0
     whatever it wraps to. In LSB of h, h - Gamma(a) lies in (-2, 0] for a >= 0 and in (-1, 1] for a < 0: up to one
@@ -70,21 +77,35 @@ def activation(a: np.ndarray) -> np.ndarray:
     return a * slope >> (q.PREACTIVATION_FRACTION + q.SLOPE_FRACTION - q.HIDDEN_FRACTION)
 
 
+def vertex_activation(a: np.ndarray) -> np.ndarray:
+    """gc_activation in the lean form: h = sign(a) (1 - u^2), u = 1 - |a|/2.
+
+    The code of u is the lower bits of a, inverted where a >= 0, and so are h of u^2 and its sign: codes stand for the
+    middle of their interval, on both sides alike. In LSB of h, h - Gamma(a + 1/2 LSB) lies in (-1, 1] for a >= 0 and in
+    [-2, 0) for a < 0: up to one from the truncation of u^2, up to one from the half LSB of u, squared.
+    """
+    half = 2 ** (q.OPERAND_BITS - 1)
+    u = np.where(a < 0, a + half, half - 1 - a)
+    g = (u * u >> q.OPERAND_BITS - 1) - half
+    return np.where(a < 0, g, ~g)
+
+
 def output_layer(h: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
-    """gc_output_layer: codes of h (..., h) to the full-precision output sums (..., n)."""
-    return h @ fixed.output_weights.T + fixed.output_bias
+    """gc_output_layer: codes of h (..., h) to the output sums (..., n)."""
+    return _sums(h, fixed.output_weights, fixed.output_product_drop) + fixed.output_bias
 
 
 def output_scaler(total: np.ndarray, fixed: FixedNetwork) -> tuple[np.ndarray, np.ndarray]:
     """gc_output_scaler: output sums (..., n) to forces in mN (..., n), and whether each y saturated."""
-    y, is_saturated = saturate(total >> fixed.output_drop, q.OPERAND_BITS)
+    y, is_saturated = saturate(total >> fixed.output_drop, fixed.y_bits)
     return y * fixed.output_scale >> fixed.output_scale_fraction, is_saturated
 
 
 def core(count: np.ndarray, fixed: FixedNetwork) -> CoreOutput:
     """gc_core: encoder counts (..., n) to holding forces in mN (..., n) with their flags."""
     x, is_clamped = input_stage(np.asarray(count, dtype=np.int64), fixed)
-    h = activation(hidden_lane(x, fixed))
+    a = hidden_lane(x, fixed)
+    h = vertex_activation(a) if fixed.is_lean else activation(a)
     force_mn, is_saturated = output_scaler(output_layer(h, fixed), fixed)
     return CoreOutput(force_mn, is_clamped, is_saturated)
 

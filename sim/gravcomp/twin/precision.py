@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.core import formats as q
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.errors import InputError
 from gravcomp.network.inputs import weight_columns
@@ -98,13 +97,17 @@ def _stages(network: Network, fixed: FixedNetwork, counts, step, is_whole, sette
     """Each stage in its format and all the others in float. is_whole (N, n): forces that do not saturate."""
     q_m = counts * step
     exact_n = network.forces(q_m)
-    hidden = replace(network, hidden_weights=np.ldexp(fixed.hidden_weights, -fixed.weight_fraction))
-    output = replace(network, output_weights=np.ldexp(fixed.output_weights, -fixed.output_weight_fraction))
+    x_unit, y_unit_n = _units(network, fixed, step)
+    hidden = replace(network, hidden_weights=np.ldexp(fixed.hidden_weights, -fixed.weight_fraction) / x_unit)
+    output_weights = (
+        np.ldexp(fixed.output_weights, -fixed.output_weight_fraction) * (y_unit_n / network.f_scale)[:, None]
+    )
+    output = replace(network, output_weights=output_weights)
     forces_n = {
-        "positions": network.forces_of(_seen(network, fixed, counts, q_m)),
+        "positions": network.forces_of(_seen(network, fixed, counts, q_m, x_unit)),
         "hidden weights": hidden.forces(q_m),
         "output weights": output.forces(q_m),
-        "forces": _scaled(network, fixed, exact_n),
+        "forces": _scaled(fixed, exact_n, y_unit_n),
     }
     neurons = [f"v_{k}" for k in range(1, setter.n_hidden + 1)]
     sets = {
@@ -119,17 +122,26 @@ def _stages(network: Network, fixed: FixedNetwork, counts, step, is_whole, sette
     ]
 
 
-def _seen(network: Network, fixed: FixedNetwork, counts: np.ndarray, q_m: np.ndarray) -> np.ndarray:
+def _units(network: Network, fixed: FixedNetwork, step) -> tuple[np.ndarray, np.ndarray]:
+    """What an x of 1 is to the float network (p,), and a y of 1, N or Nm (n,): the scales that the lean form leaves
+    out."""
+    if not fixed.is_lean:
+        return np.ones(fixed.n_inputs), network.f_scale
+    return network.q_scale * step * 2.0**fixed.count_shift, np.full(fixed.n_axes, 1e-3)
+
+
+def _seen(network: Network, fixed: FixedNetwork, counts: np.ndarray, q_m: np.ndarray, x_unit: np.ndarray) -> np.ndarray:
     """Inputs x (N, p) as the core sees them, without the offset that its biases make up for."""
     exact = network.x(q_m)
-    error = np.ldexp(input_stage(counts, fixed)[0], -fixed.x_fraction) - exact
+    error = np.ldexp(input_stage(counts, fixed)[0], -fixed.x_fraction) * x_unit - exact
     return exact + error - error.mean(axis=0)
 
 
-def _scaled(network: Network, fixed: FixedNetwork, forces_n: np.ndarray) -> np.ndarray:
+def _scaled(fixed: FixedNetwork, forces_n: np.ndarray, y_unit_n: np.ndarray) -> np.ndarray:
     """Forces (N, n), N, through the last format and scale alone; the halves of what they truncate are in the bias."""
-    y = (forces_n + 0.5e-3) / network.f_scale + 2.0 ** -(fixed.y_fraction + 1)
-    fraction = q.HIDDEN_FRACTION + fixed.output_weight_fraction
+    half_y = 0.0 if fixed.is_lean else 2.0 ** -(fixed.y_fraction + 1)
+    y = (forces_n + 0.5e-3) / y_unit_n + half_y
+    fraction = fixed.output_drop + fixed.y_fraction
     return 1e-3 * output_scaler(np.floor(np.ldexp(y, fraction)).astype(np.int64), fixed)[0]
 
 

@@ -12,7 +12,7 @@ import cocotb
 from cocotb.handle import HierarchyObject
 from cocotb.triggers import FallingEdge, Timer
 
-from gravcomp.core.formats import COUNT_BITS
+from gravcomp.core.formats import COUNT_BITS, FixedNetwork
 from gravcomp.simulation.measured import hand_over
 from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import fixed_network, pack
@@ -33,7 +33,7 @@ def instances(handle, path: str = ""):
             yield from instances(member, f"{path}/{name}")
 
 
-def operations(watched: dict, n_outputs: int) -> Counter:
+def operations(watched: dict, fixed: FixedNetwork) -> Counter:
     """Operations that the core begins in this clock, by kind and layer."""
     count = Counter()
     for path, ports in watched.items():
@@ -47,13 +47,13 @@ def operations(watched: dict, n_outputs: int) -> Counter:
             count["multiplications", layer] += begins
         elif instance == "i_sum":
             count["sums", layer] += begins
-        elif instance == "i_activation":
+        elif instance == "i_activation" and not fixed.is_lean:
             # theta |a|, a shift in hardware, and its difference from beta
             count["multiplications", layer] += begins
             count["sums", layer] += begins
         elif instance == "i_output_layer":
             # products over lanes and clocks and the bias: one n-ary sum per output
-            count["sums", layer] += n_outputs * (ports["out_valid"].value == 1)
+            count["sums", layer] += fixed.n_axes * (ports["out_valid"].value == 1)
     return count
 
 
@@ -68,7 +68,7 @@ async def one_inference(dut):
     for _ in range(PATIENCE):
         # Before the rising edge that begins the operations.
         await Timer(1, "ns")
-        total += operations(watched, fixed.n_axes)
+        total += operations(watched, fixed)
         await FallingEdge(dut.clk)
         dut.in_valid.value = 0
         if dut.out_valid.value == 1:

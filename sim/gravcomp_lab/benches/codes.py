@@ -10,7 +10,8 @@ import numpy as np
 from gravcomp.core.compensation import load_compensation
 from gravcomp.core.compensator_tables import FixedCompensation, quantise_compensation
 from gravcomp.core.folder import folder_hash
-from gravcomp.core.formats import FixedNetwork, quantise
+from gravcomp.core.formats import FixedNetwork
+from gravcomp.core.quantised import quantised
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from gravcomp_lab.shipped import ROOT
@@ -48,7 +49,7 @@ def _folder_and_times() -> tuple[Path, frozenset[tuple[str, int]]]:
 
 @cache
 def _fixed_network(folder: Path, times: frozenset[tuple[str, int]]) -> FixedNetwork:
-    return quantise(load_network(folder), load_machine(folder).drive)
+    return quantised(load_machine(folder), load_network(folder), folder)
 
 
 @cache

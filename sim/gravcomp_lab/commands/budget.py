@@ -5,12 +5,20 @@ Sine and cosine of axes that turn are counted apart from the network; the static
 
 from pathlib import Path
 
+from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.network.inputs import SIN_COS
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from gravcomp.robot.spheiro.robot import Spheiro
 from gravcomp_lab.benches.budget import budget_run
 from gravcomp_lab.benches.core import distinct_lanes
-from gravcomp_lab.paper.operations import OperationCount, count_network_operations, count_statics_operations
+from gravcomp_lab.forms import lean_copy
+from gravcomp_lab.paper.operations import (
+    OperationCount,
+    count_network_operations,
+    count_statics_operations,
+    lean_on_counted,
+)
 
 PAPER = "| paper: statics by its analytic model | | | | | 532 | 8305 |"
 
@@ -24,6 +32,7 @@ def add_arguments(parser):
 
 def run(arguments):
     (lanes,) = distinct_lanes([arguments.lanes])
+    of_lean = _lean_counts(arguments, lanes)
     counted = budget_run(lanes, arguments.rtl, arguments.build, arguments.weights)
     of_vhdl = [OperationCount(**numbers) for numbers in counted]
     machine, network = load_machine(arguments.weights), load_network(arguments.weights)
@@ -34,12 +43,29 @@ def run(arguments):
         if vhdl.total or numpy.total:
             print(_row(f"{what}, running VHDL", vhdl))
             print(_row(f"{what}, NumPy on counting numbers", numpy))
+    for what, found in of_lean.items():
+        print(_row(f"network in the lean form, {what}", found))
     if isinstance(machine.robot, Spheiro):
         print(_row("statics in closed form, from joint positions", count_statics_operations(machine.robot.parameters)))
         print(PAPER)
     print("\nA sum of many terms counts as one, as in the paper; theta |a| counts, though it is a shift in hardware.")
     if padding := -network.n_hidden % lanes:
         print(f"The VHDL has {padding} neurons of zero weight more, so that {lanes} lanes divide them.")
+
+
+def _lean_counts(arguments, lanes: int) -> dict[str, OperationCount]:
+    """Of the network in the lean form, which takes positions alone."""
+    network = load_network(arguments.weights)
+    if SIN_COS in network.inputs:
+        return {}
+    weights = lean_copy(arguments.weights, arguments.build)
+    generated = arguments.build / "lean" / "generated"
+    write_rom(weights, generated)
+    counted, _ = budget_run(lanes, arguments.rtl, arguments.build / "lean", weights, generated)
+    return {
+        "running VHDL": OperationCount(**counted),
+        "NumPy on counting numbers": lean_on_counted(network, network.q_offset)[1],
+    }
 
 
 def _row(name, count):

@@ -6,7 +6,7 @@ import numpy as np
 from tqdm import tqdm
 
 from gravcomp.core.folder import MachineFolder, load_folder
-from gravcomp.core.formats import quantise
+from gravcomp.core.quantised import quantised
 from gravcomp.network.weights import HIDDEN_CSV
 from gravcomp.twin.network import core
 from gravcomp_lab.benches.budget import budget_run
@@ -69,5 +69,5 @@ def error_percent(content: MachineFolder, weights: Path) -> float:
     drive, robot = content.machine.drive, content.machine.robot
     q = robot.workspace(N_POSES, SEED)
     wanted = 1e3 * robot.forces(q)
-    error_mn = core(drive.counts(q), quantise(content.network, drive, weights)).force_mn - wanted
+    error_mn = core(drive.counts(q), quantised(content.machine, content.network, weights)).force_mn - wanted
     return 100.0 * float(np.sqrt(np.mean(error_mn**2) / np.mean(wanted**2)))

@@ -6,7 +6,8 @@ from tqdm import tqdm
 
 from gravcomp.core.compensator_tables import quantise_compensation
 from gravcomp.core.folder import load_folder
-from gravcomp.core.formats import FORCE_BITS, quantise
+from gravcomp.core.formats import FORCE_BITS
+from gravcomp.core.quantised import quantised
 from gravcomp.errors import InputError
 from gravcomp_lab.benches.force_path import motion_run, pose_run
 from gravcomp_lab.simulated.pictures import error_picture, run_picture, save_figure
@@ -23,7 +24,7 @@ def add_arguments(parser):
 def run(arguments):
     content, build = load_folder(arguments.weights), arguments.build
     machine = content.machine
-    fixed = quantise(content.network, machine.drive, arguments.weights)
+    fixed = quantised(machine, content.network, arguments.weights)
     compensation = quantise_compensation(content.compensation, machine.drive, arguments.weights)
     vcd, folder = build / "run.vcd", arguments.pictures or build
     with tqdm(total=2, desc="simulations", leave=False, disable=None) as bar:

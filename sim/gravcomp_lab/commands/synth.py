@@ -5,7 +5,9 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp.parallel import WHERE
+from gravcomp.robot.machine import FORMS, LEAN, PAPER
 from gravcomp_lab.benches.core import distinct_lanes
+from gravcomp_lab.forms import lean_copy
 from gravcomp_lab.pages import renew
 from gravcomp_lab.shipped import SPHEIRO
 from gravcomp_lab.simulated.pictures import save_figure
@@ -16,6 +18,7 @@ from gravcomp_lab.synthesis.survey import survey
 def add_arguments(parser):
     parser.add_argument("--lanes", type=int, nargs="+", default=[1, 4, 20], help="neurons per clock")
     parser.add_argument("--weights", type=Path, default=SPHEIRO, help="machine folder (default: the shipped one)")
+    parser.add_argument("--form", choices=FORMS, default=PAPER, help="of the network (default %(default)s)")
     parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
     parser.add_argument("--build", type=Path, default=Path("build"), help="folder of simulations and of results")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
@@ -26,11 +29,15 @@ def add_arguments(parser):
 def run(arguments):
     if arguments.jobs < 1:
         raise InputError(f"--jobs {arguments.jobs}: need one or more")
-    lanes = distinct_lanes(arguments.lanes)
-    results = survey(lanes, arguments.rtl, arguments.build, arguments.jobs, arguments.weights, arguments.backend)
+    lanes, weights, build = distinct_lanes(arguments.lanes), arguments.weights, arguments.build
+    if arguments.form == LEAN:
+        weights, build = lean_copy(weights, build), build / LEAN
+    results = survey(lanes, arguments.rtl, build, arguments.jobs, weights, arguments.backend)
     text, figure = tables(results), picture(results)
     print(text)
-    save_figure(figure, arguments.build / "synth" / "synthesis.png")
-    if arguments.docs:
+    save_figure(figure, build / "synth" / "synthesis.png")
+    if arguments.docs and arguments.form == LEAN:
+        renew(arguments.docs / "synthesis.md", "synth-lean", text)
+    elif arguments.docs:
         renew(arguments.docs / "synthesis.md", "synth", text)
         save_figure(figure, arguments.docs / "figures" / "synthesis.png")

@@ -4,9 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from gravcomp.core.folder import load_folder, save_folder
-from gravcomp.core.formats import quantise
 from gravcomp.core.image import Image, load_image
 from gravcomp.core.provenance import PROVENANCE_JSON
+from gravcomp.core.quantised import quantised
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.files import write_atomically
 from gravcomp.network.weights import load_network
@@ -50,5 +50,5 @@ def make_specimen(weights: Path, folder: Path) -> tuple[Path, Image]:
 
 def ua_per_mn(weights: Path) -> float:
     """What a mN is as a current command, uA, on the axis where it is most."""
-    fixed = quantise(load_network(weights), load_machine(weights).drive)
+    fixed = quantised(load_machine(weights), load_network(weights), weights)
     return float((fixed.current_scale / 2.0**fixed.current_scale_fraction).max())

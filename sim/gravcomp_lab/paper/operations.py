@@ -160,6 +160,28 @@ def statics_on_counted(q_m: np.ndarray, p: RobotParameters) -> tuple[np.ndarray,
     return forces_from_axes(axes, p).astype(float), count
 
 
+def lean_on_counted(network: Network, q: np.ndarray) -> tuple[np.ndarray, OperationCount]:
+    """Efforts (n,), N or Nm, at joint positions q (n,), m or rad, by the lean form of the network, and what they cost.
+
+    Both scalings are part of weights and biases; u = 1 - |a|/2 and 1 - u^2 are bits of a and of u^2, some inverted.
+    """
+    count = OperationCount()
+    hidden_bias = network.hidden_bias - network.hidden_weights @ (network.q_offset * network.q_scale)
+    output_bias = network.f_offset + network.f_scale * network.output_bias
+    weights = network.hidden_weights * network.q_scale, network.f_scale[:, None] * network.output_weights
+    hidden = [
+        _vertex(a)
+        for a in _layer([Counted(position, count) for position in q], counted(weights[0], count), hidden_bias)
+    ]
+    forces = _layer(np.array(hidden, dtype=object), counted(weights[1], count), output_bias)
+    return np.array(forces, dtype=object).astype(float), count
+
+
+def _vertex(a: Counted) -> Counted:
+    u = Counted(max(1.0 - abs(a.value) / 2, 0.0), a.count)
+    return Counted(math.copysign(1.0 - (u * u).value, a.value), a.count)
+
+
 def network_on_counted(network: Network, q: np.ndarray) -> tuple[np.ndarray, OperationCount, OperationCount]:
     """Efforts (n,), N or Nm, at joint positions q (n,), m or rad, by the network as the hardware runs it; what they
     cost, and what sines and cosines cost beside it.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gravcomp.core.formats import quantise
+from gravcomp.core.quantised import quantised
 from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
@@ -37,7 +37,7 @@ def core_error(weights: Path, n_poses: int, seed: int) -> float:
     From encoder counts to mN: unlike that of a peer it has the rounding of counts and forces in it.
     """
     network, machine = load_network(weights), load_machine(weights)
-    error_mn = fixed_point_error_mn(network, quantise(network, machine.drive, weights), machine, n_poses, seed)
+    error_mn = fixed_point_error_mn(network, quantised(machine, network, weights), machine, n_poses, seed)
     return float(np.abs(error_mn / (1000.0 * network.f_scale)).max())
 
 

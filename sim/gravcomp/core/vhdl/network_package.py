@@ -6,8 +6,9 @@ import numpy as np
 
 from gravcomp.core import formats as q
 from gravcomp.core.folder import folder_hash, load_folder
-from gravcomp.core.formats import FixedNetwork, quantise
+from gravcomp.core.formats import FixedNetwork
 from gravcomp.core.machine_header import MACHINE_HEADER_FILE, machine_header_text
+from gravcomp.core.quantised import quantised
 from gravcomp.core.vhdl.compensation_package import COMPENSATION_PACKAGE_FILE, compensation_package_text
 from gravcomp.core.vhdl.registers import register_files
 from gravcomp.files import write_all_atomically
@@ -43,7 +44,7 @@ def stale_rom_files(folder: Path | str, generated: Path | str) -> list[Path]:
 def _rom_files(folder: Path | str) -> tuple[dict[str, str], Precision]:
     content = load_folder(folder)
     drive = content.machine.drive
-    fixed, sha256 = quantise(content.network, drive, folder), folder_hash(folder, content.machine)
+    fixed, sha256 = quantised(content.machine, content.network, folder), folder_hash(folder, content.machine)
     cost = certified(precision(content.network, fixed, drive.unit_per_count), folder)
     texts = {
         PACKAGE_FILE: package_text(fixed, sha256, content.machine.clock_hz, Path(folder).name),
@@ -72,6 +73,7 @@ def package_text(fixed: FixedNetwork, sha256: str, clock_hz: float, name: str) -
         current_scale=_packed(fixed.current_scale, q.OPERAND_BITS),
         n_axes=fixed.n_axes,
         n_inputs=fixed.n_inputs,
+        lean=str(fixed.is_lean).lower(),
         turning="".join(str(int(turns)) for turns in fixed.is_turning[::-1]),
         phase_bits=q.PHASE_BITS,
         step_bits=q.STEP_BITS,
@@ -113,11 +115,14 @@ def package_text(fixed: FixedNetwork, sha256: str, clock_hz: float, name: str) -
             for key in (
                 "x_fraction",
                 "weight_fraction",
+                "hidden_product_drop",
                 "hidden_sum_bits",
                 "preactivation_drop",
                 "output_weight_fraction",
+                "output_product_drop",
                 "output_sum_bits",
                 "y_fraction",
+                "y_bits",
                 "output_drop",
             )
         },
@@ -209,8 +214,12 @@ package gc_network_pkg is
   constant fine_step_c   : signed({steps_bits} downto 0) :=
     {fine_step};
 
-  -- Hidden layer.
+  -- The form: the paper's, or the lean one, whose scales are 1 as its weights hold them.
+  constant lean_c : boolean := {lean};
+
+  -- Hidden layer; product_drop: bits that a product loses before it is summed.
   constant weight_fraction_c        : natural  := {weight_fraction};
+  constant hidden_product_drop_c    : natural  := {hidden_product_drop};
   constant hidden_sum_bits_c        : positive := {hidden_sum_bits};
   constant preactivation_fraction_c : natural  := {preactivation_fraction};
   constant preactivation_drop_c     : natural  := {preactivation_drop};
@@ -218,9 +227,11 @@ package gc_network_pkg is
   constant hidden_fraction_c        : natural  := {hidden_fraction};
 
   -- Output layer.
-  constant output_weight_fraction_c : natural  := {output_weight_fraction};
+  constant output_weight_fraction_c : integer  := {output_weight_fraction};
+  constant output_product_drop_c    : natural  := {output_product_drop};
   constant output_sum_bits_c        : positive := {output_sum_bits};
   constant y_fraction_c             : natural  := {y_fraction};
+  constant y_bits_c                 : positive := {y_bits};
   constant output_drop_c            : natural  := {output_drop};
   constant output_bias_c            : signed({output_bias_bits} downto 0) :=
     {output_bias};

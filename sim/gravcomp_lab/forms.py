@@ -1,0 +1,15 @@
+"""A machine folder in another form of its network, for what the project measures of both."""
+
+import shutil
+from pathlib import Path
+
+from gravcomp.files import write_atomically
+from gravcomp.robot.machine import LEAN, ROBOT_TOML, load_machine
+
+
+def lean_copy(weights: Path, build: Path) -> Path:
+    """A copy of a machine folder in build, its network in the lean form."""
+    folder = build / "lean" / weights.name
+    shutil.copytree(weights, folder, dirs_exist_ok=True)
+    write_atomically(folder / ROBOT_TOML, load_machine(weights).with_form(LEAN).text)
+    return folder
