@@ -31,6 +31,7 @@ from gravcomp_lab.paper.operations import count_network_operations
 from loading import LOAD_PORTS
 from machines import machine_folder
 from runner import BUILD, simulate
+from support.ghdl import walks_the_hierarchy
 from test_rtl_core import check_core
 from test_rtl_host import Robot, settled, unnumbered
 
@@ -268,6 +269,7 @@ def test_core_equals_its_model_at_each_number_of_lanes(name, lanes):
     check_core(lanes, environment=environment, generated=generated, label=name, tests=r"\.back_to_back$")
 
 
+@walks_the_hierarchy
 @SIZES
 def test_core_runs_the_operations_of_the_formula(name):
     """p inputs, n neurons, m outputs: p + pn + 2n + nm + m multiplications and 2n + m sums, counted in the VHDL.

@@ -12,8 +12,6 @@ from machines import lean_shipped, rtl_of
 from runner import BUILD, ROOT, RTL
 from support.ghdl import walks_the_hierarchy
 
-pytestmark = walks_the_hierarchy
-
 
 def expected(weights: Path, lanes: int) -> tuple[dict[str, int], dict[str, int]]:
     """Of p features, n neurons with what pads them, m axes; those of sines and cosines apart."""
@@ -30,6 +28,7 @@ def test_network_of_the_paper_takes_166_multiplications_and_43_sums():
     assert expected(ROOT / "weights" / "spheiro", 4)[0] == {"multiplications": 166, "sums": 43}
 
 
+@walks_the_hierarchy
 @pytest.mark.parametrize("lanes", [1, 4])
 def test_lean_form_runs_the_operations_of_its_formula(lanes):
     """p n + n + n m multiplications and n + m sums: no scale, one product in Gamma; its NumPy counts as many."""
@@ -45,6 +44,7 @@ def test_core_runs_the_budgeted_operations(lanes):
     assert budget_run(lanes, RTL, BUILD, weights) == expected(weights, lanes)
 
 
+@walks_the_hierarchy
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "lanes"), [("arm2", 3), ("ur5", 1), ("ur5", 4)])
 def test_core_of_a_shipped_machine_runs_the_operations_of_the_formula(name, lanes, tmp_path):

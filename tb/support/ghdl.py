@@ -5,7 +5,7 @@ import subprocess
 import pytest
 
 VERSION = subprocess.run(["ghdl", "--version"], capture_output=True, text=True, check=True).stdout
-# By a bench that finds what it watches in generates, which VPI finds no other way, or by the writer of a waveform.
+# A bench that finds what it watches in generates, which VPI finds no other way, and the writer of a waveform.
 walks_the_hierarchy = pytest.mark.skipif(
     "GHDL 5.0.1" in VERSION, reason="GHDL 5.0.1 dies of walking through the hierarchy (grt-avhpi.adb:593 and 732)"
 )
