@@ -27,49 +27,75 @@ def safety(
     """
     known, estop_n = synchronizer(inputs["rst"], inputs["estop_n"], options.sync_stages)
     present = _present(inputs, period_shortest) | (known & ~estop_n & 1) << Cause.ESTOP
-    names = (
-        "run",
-        "brake_release",
-        "brake_engage",
-        "sts_feedback",
-        "sts_state",
-        "sts_fault",
-        "sts_first_cause",
-        "sts_events",
-    )
-    out = {name: np.zeros_like(present) for name in names} | {"sts_present": present}
-    out["sts_first_count"], n_axes = np.zeros_like(inputs["in_count"]), inputs["in_count"].shape[1]
-    brakes, latch, count_1 = Brakes(n_axes, options), FaultLatch(), np.zeros_like(inputs["in_count"][0])
-    out["brake_engage"][0], sequencer = brakes.brake_engage, brakes.sequencer
-    load, fed = _Load(), np.zeros_like(present) if brake else inputs["brake_fed"]
-    out["brake_fed"] = fed
-    for k in range(len(present) - 1):
-        present[k] |= load.present(sequencer.state) | brakes.wrong << Cause.BRAKE
-        load.clock({name: values[k] for name, values in inputs.items()}, sequencer.state)
+    chain, n_clocks = _Chain(inputs["in_count"].shape[1], options), len(present)
+    fed = np.zeros_like(present) if brake else inputs["brake_fed"]
+    rows = [chain.outputs()]
+    for k in range(n_clocks - 1):
+        at = {name: values[k] for name, values in inputs.items()}
+        present[k] |= chain.present
         if brake:
-            fed[k] = brake(brakes.brake_release & ~brakes.brake_engage, k)
-        fault = int(present[k]) & (ALWAYS if sequencer.state == State.BRAKED else ~0)
-        clear = int(inputs["clear"][k])
-        cleared = clear != 0 and not latch.causes & ~clear
-        latch.clock(bool(inputs["rst"][k]), clear, fault, count_1)
-        brakes.clock(
-            bool(inputs["rst"][k]),
-            int(inputs["enable"][k]),
+            fed[k] = brake(chain.told, k)
+        chain.clock(at, int(present[k]), known[k] == 1, int(fed[k]))
+        rows.append(chain.outputs())
+    present[-1] |= chain.present
+    out = {name: np.array([row[name] for row in rows], np.int64) for name in rows[0]}
+    return out | {"sts_present": present, "brake_fed": fed}
+
+
+class _Chain:
+    """What of gc_safety has a state, a clock at a time, with the causes that depend on it."""
+
+    def __init__(self, n_axes: int, options: BrakeOptions) -> None:
+        self._brakes, self._latch, self._load = Brakes(n_axes, options), FaultLatch(), _Load()
+        self._count_1 = np.zeros(n_axes, np.int64)
+
+    @property
+    def present(self) -> int:
+        """Causes, of the load and the brakes."""
+        return self._load.present(self._brakes.sequencer.state) | self._brakes.wrong << Cause.BRAKE
+
+    @property
+    def told(self) -> int:
+        """Brakes that both paths tell to open."""
+        return self._brakes.brake_release & ~self._brakes.brake_engage
+
+    def outputs(self) -> dict[str, int | np.ndarray]:
+        """By port name."""
+        brakes, latch = self._brakes, self._latch
+        return {
+            "run": brakes.sequencer.run,
+            "brake_release": brakes.brake_release,
+            "brake_engage": brakes.brake_engage,
+            "sts_feedback": brakes.feedback,
+            "sts_state": brakes.sequencer.state,
+            "sts_fault": latch.causes,
+            "sts_first_cause": latch.first_cause,
+            "sts_first_count": np.broadcast_to(latch.first_count, self._count_1.shape),
+            "sts_events": latch.events,
+        }
+
+    def clock(self, inputs: Mapping[str, np.ndarray], present: int, is_known: bool, fed: int) -> None:
+        """One rising edge, at which the inputs, the causes and the brakes' read-back have these values.
+
+        is_known: of the emergency stop, whose synchroniser is full.
+        """
+        state, rst, clear = self._brakes.sequencer.state, bool(inputs["rst"]), int(inputs["clear"])
+        self._load.clock(inputs, state)
+        fault = present & (ALWAYS if state == State.BRAKED else ~0)
+        cleared = clear != 0 and not self._latch.causes & ~clear
+        self._latch.clock(rst, clear, fault, self._count_1)
+        self._brakes.clock(
+            rst,
+            int(inputs["enable"]),
             cleared,
             fault != 0,
-            present[k] == 0 and known[k] == 1,
-            bool(inputs["in_reached"][k].all()),
-            int(fed[k]),
-            *(int(inputs[name][k]) for name in ("cfg_brake_clocks", "cfg_test_clocks")),
+            present == 0 and is_known,
+            bool(inputs["in_reached"].all()),
+            fed,
+            int(inputs["cfg_brake_clocks"]),
+            int(inputs["cfg_test_clocks"]),
         )
-        count_1 = inputs["in_count"][k]
-        out["sts_state"][k + 1] = sequencer.state
-        out["run"][k + 1], out["sts_feedback"][k + 1] = sequencer.run, brakes.feedback
-        out["brake_release"][k + 1], out["brake_engage"][k + 1] = brakes.brake_release, brakes.brake_engage
-        out["sts_fault"][k + 1], out["sts_first_cause"][k + 1] = latch.causes, latch.first_cause
-        out["sts_first_count"][k + 1], out["sts_events"][k + 1] = latch.first_count, latch.events
-    present[-1] |= load.present(sequencer.state) | brakes.wrong << Cause.BRAKE
-    return out
+        self._count_1 = inputs["in_count"]
 
 
 class _Load:
