@@ -7,7 +7,7 @@ import pytest
 
 from gravcomp_lab.formal.claims import CLAIMS
 from gravcomp_lab.mutation import ports
-from gravcomp_lab.mutation.ports import Found, Port, Verdicts, markdown, output_ports, plant, try_port
+from gravcomp_lab.mutation.ports import Found, OutputPort, PortVerdicts, markdown, output_ports, plant, try_port
 from runner import ROOT, RTL
 
 PORTS = output_ports(RTL)
@@ -41,12 +41,12 @@ end architecture rtl;
 def test_ports_are_those_of_the_entities():
     assert {"gc_system", "gc_core", "gc_registers"} <= {port.entity for port in PORTS}
     assert len(set(PORTS)) == len(PORTS) > 150
-    assert Port("gc_tick", "sts_missed", "unsigned(31 downto 0)", ":= (others => '0')") in PORTS
-    assert Port("gc_loader", "memory", "memory_t") in PORTS
+    assert OutputPort("gc_tick", "sts_missed", "unsigned(31 downto 0)", ":= (others => '0')") in PORTS
+    assert OutputPort("gc_loader", "memory", "memory_t") in PORTS
 
 
 def test_fault_is_at_the_port_alone(tmp_path):
-    flag, words = Port("gc_x", "flag", "std_ulogic", ":= '0'"), Port("gc_x", "words", "signed(7 downto 0)")
+    flag, words = OutputPort("gc_x", "flag", "std_ulogic", ":= '0'"), OutputPort("gc_x", "words", "signed(7 downto 0)")
     faulty = plant(VHDL, flag, {})
     assert "signal flag_sound : std_ulogic := '0';" in faulty
     assert "flag     => flag_sound," in faulty
@@ -57,7 +57,7 @@ def test_fault_is_at_the_port_alone(tmp_path):
 
 
 def test_fault_of_a_record_is_in_its_first_field():
-    port = Port("gc_x", "flag", "a_t")
+    port = OutputPort("gc_x", "flag", "a_t")
     faulty = plant(VHDL, port, {"a_t": ("b", "c_t"), "c_t": ("d", "std_ulogic")})
     assert "flag.b.d <= not flag_sound.b.d;" in faulty
 
@@ -80,10 +80,10 @@ def test_verdict_holds_until_what_it_rests_on_changes(tmp_path):
             Found(test.entity, test.name, "simulation: equality with the twin",
                   "test_rtl_tick.py::test_x")]  # fmt: skip
     for found in kept:
-        Verdicts(tmp_path / "ports.csv", tmp_path).keep(found)
+        PortVerdicts(tmp_path / "ports.csv", tmp_path).keep(found)
 
     def known() -> list[Found | None]:
-        verdicts = Verdicts(tmp_path / "ports.csv", tmp_path)
+        verdicts = PortVerdicts(tmp_path / "ports.csv", tmp_path)
         return [verdicts.known(proof), verdicts.known(test)]
 
     assert known() == kept
@@ -96,7 +96,7 @@ def test_verdict_holds_until_what_it_rests_on_changes(tmp_path):
 
 
 def test_simulation_that_does_not_end_has_found_nothing(monkeypatch):
-    port = Port("gc_delay", "out_data", "std_ulogic_vector(bits_g - 1 downto 0)")
+    port = OutputPort("gc_delay", "out_data", "std_ulogic_vector(bits_g - 1 downto 0)")
     for result, tool in (("time-out", ""), ("survived", ""), ("caught", "simulation: equality with the twin")):
         monkeypatch.setattr(ports, "run_tests", lambda *_, result=result: (result, "test_rtl_delay.py::test_x"))
         found = try_port(port, ROOT)

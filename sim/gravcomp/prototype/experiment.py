@@ -21,8 +21,8 @@ from gravcomp.errors import InputError
 from gravcomp.files import write_all_atomically
 from gravcomp.prototype import DEFAULT_NOISE_N, MODES
 from gravcomp.prototype.engine import TIME_STEP_S
-from gravcomp.prototype.imperfections import Effect
-from gravcomp.prototype.plant import Imperfections, Plant
+from gravcomp.prototype.imperfections import Imperfection
+from gravcomp.prototype.plant import MakeImperfections, Plant
 from gravcomp.prototype.travel import Path as Way
 from gravcomp.prototype.travel import travel_of
 from gravcomp.robot.machine import Machine
@@ -52,7 +52,7 @@ class Log:
     current_a: np.ndarray
     temperature_c: np.ndarray
     effort: np.ndarray
-    effects: Sequence[Effect] = ()
+    effects: Sequence[Imperfection] = ()
     noise: np.ndarray | None = None
 
 
@@ -68,7 +68,7 @@ class Sample(NamedTuple):
 
 def measure(
     machine: Machine,
-    effects: Sequence[Effect] | Imperfections,
+    effects: Sequence[Imperfection] | MakeImperfections,
     n_points: int,
     seed: int,
     *,
@@ -98,7 +98,11 @@ def measure(
 
 
 def as_log(
-    samples: list[Sample], machine: Machine, noise: np.ndarray, rng: np.random.Generator, effects: Sequence[Effect] = ()
+    samples: list[Sample],
+    machine: Machine,
+    noise: np.ndarray,
+    rng: np.random.Generator,
+    effects: Sequence[Imperfection] = (),
 ) -> Log:
     """Samples as drives with noise (k,), N or N m RMS, report them."""
     t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))

@@ -50,7 +50,7 @@ NOT_DRAWN = Range(0.0, 0.0)
 
 
 @dataclass
-class State:
+class PlantState:
     """What an effect may see of the prototype in one time step; arrays are (n,), one value per axis: where it is, how
     fast, what its motor exerts, what the model says that holds it."""
 
@@ -62,7 +62,7 @@ class State:
     temperature_c: float = 0.0
 
 
-class Effect:
+class Imperfection:
     """One effect on a machine of given sizes; parameters become attributes, arrays where they are per axis or joint.
 
     A parameter that isn't given takes the geometric middle of its range. ``name`` for all axes, ``name1`` for one.
@@ -94,7 +94,7 @@ class Effect:
         return True
 
     @classmethod
-    def draw(cls, rng: np.random.Generator, sizes: Sizes = SPHEIRO, **given) -> "Effect":
+    def draw(cls, rng: np.random.Generator, sizes: Sizes = SPHEIRO, **given) -> "Imperfection":
         """An effect of random size; the axes differ by up to 30 %. given: parameters that are not drawn."""
         drawn = {}
         for name, span in cls.ranges.items():
@@ -115,27 +115,27 @@ class Effect:
     def install(self, robot: Engine) -> None:
         """Change the engine's model, once."""
 
-    def reset(self, state: State) -> None:
+    def reset(self, state: PlantState) -> None:
         """The robot is put somewhere else, after long travel with this velocity."""
 
-    def friction(self, state: State):
+    def friction(self, state: PlantState):
         """Coulomb friction level of the axes in this state."""
         return 0.0
 
-    def force(self, state: State):
+    def force(self, state: PlantState):
         """Effort on the axes, positive along +q."""
         return 0.0
 
-    def shift(self, state: State):
+    def shift(self, state: PlantState):
         """What the encoders read minus where the axes are."""
         return 0.0
 
-    def reported(self, effort: np.ndarray, state: State) -> np.ndarray:
+    def reported(self, effort: np.ndarray, state: PlantState) -> np.ndarray:
         """What the drive reports for what the motors exert."""
         return effort
 
 
-class CoulombFriction(Effect):
+class CoulombFriction(Imperfection):
     """fc sign(v) on the carriages; ``skew`` adds to it in the positive direction and takes away in the negative."""
 
     name = "coulomb_friction"
@@ -148,7 +148,7 @@ class CoulombFriction(Effect):
         return -self.skew
 
 
-class ViscousFriction(Effect):
+class ViscousFriction(Imperfection):
     """b v."""
 
     name = "viscous_friction"
@@ -158,7 +158,7 @@ class ViscousFriction(Effect):
         robot.model.dof_damping[robot.motor_dofs] += self.b
 
 
-class StribeckFriction(Effect):
+class StribeckFriction(Imperfection):
     """(fc + (fs - fc) exp(-(v/vs)^2)) sign(v)."""
 
     name = "stribeck_friction"
@@ -172,7 +172,7 @@ class StribeckFriction(Effect):
         return self.fc + (self.fs - self.fc) * np.exp(-((state.v / self.vs) ** 2))
 
 
-class PassiveJointFriction(Effect):
+class PassiveJointFriction(Imperfection):
     """Friction in the passive joints: fc_b of the prismatic pairs, N, and fc_phi of the turning pairs, N m."""
 
     name = "passive_joint_friction"
@@ -187,7 +187,7 @@ class PassiveJointFriction(Effect):
         robot.model.dof_frictionloss[robot.passive_dofs("rad")] += self.fc_phi
 
 
-class LoadDependentFriction(Effect):
+class LoadDependentFriction(Imperfection):
     """mu |f_model| sign(v)."""
 
     name = "load_dependent_friction"
@@ -197,7 +197,7 @@ class LoadDependentFriction(Effect):
         return self.mu * np.abs(state.statics)
 
 
-class DirectionalLoadFriction(Effect):
+class DirectionalLoadFriction(Imperfection):
     """mu |f_model| sign(v), another mu where the motor drives the load than where the load drives the motor."""
 
     name = "directional_load_friction"
@@ -207,7 +207,7 @@ class DirectionalLoadFriction(Effect):
         return np.where(state.statics * state.v > 0.0, self.mu_motor, self.mu_load) * np.abs(state.statics)
 
 
-class Backlash(Effect):
+class Backlash(Imperfection):
     """f_model(q - gap/2 sign(v)) - f_model(q): the encoder, on the motor's side, leads by half the gap."""
 
     name = "backlash"
@@ -222,7 +222,7 @@ class Backlash(Effect):
         return self._lead
 
 
-class Cogging(Effect):
+class Cogging(Imperfection):
     """a1 sin(2 pi q/pitch + p1) + a2 sin(4 pi q/pitch + p2)."""
 
     name = "cogging"
@@ -239,7 +239,7 @@ class Cogging(Effect):
         return -self.a * np.sin(turn + self.phase) - self.a_second * np.sin(2 * turn + self.phase_second)
 
 
-class Payload(Effect):
+class Payload(Imperfection):
     """A mass m, kg, at (x, y, z), m, in the frame of the body that takes a payload, of the Sphe.I.Ro. the platform."""
 
     name = "payload"
@@ -252,7 +252,7 @@ class Payload(Effect):
         robot.add_mass(self.m, np.array([self.x, self.y, self.z]))
 
 
-class BaseTilt(Effect):
+class BaseTilt(Imperfection):
     """The base, and so gravity as it sees it, turned by small angles about x, y, z of the base."""
 
     name = "base_tilt"
@@ -263,7 +263,7 @@ class BaseTilt(Effect):
         robot.model.opt.gravity[:] = turn.apply(robot.model.opt.gravity)
 
 
-class ThrustConstant(Effect):
+class ThrustConstant(Imperfection):
     """gain f."""
 
     name = "thrust_constant"
@@ -273,7 +273,7 @@ class ThrustConstant(Effect):
         return (1.0 + self.gain) * effort
 
 
-class EncoderOffset(Effect):
+class EncoderOffset(Imperfection):
     """f_model(q + offset) - f_model(q): the carriage is at the reading plus the offset."""
 
     name = "encoder_offset"
@@ -283,7 +283,7 @@ class EncoderOffset(Effect):
         return -self.offset
 
 
-class CurrentOffset(Effect):
+class CurrentOffset(Imperfection):
     """o."""
 
     name = "current_offset"
@@ -293,7 +293,7 @@ class CurrentOffset(Effect):
         return effort + self.o
 
 
-class CableSpring(Effect):
+class CableSpring(Imperfection):
     """k (q - q0)."""
 
     name = "cable_spring"
@@ -303,7 +303,7 @@ class CableSpring(Effect):
         return -self.k * (state.q - self.q0)
 
 
-class LinkCompliance(Effect):
+class LinkCompliance(Imperfection):
     """f_model(q + c f) - f_model(q); c, m/N, is negative, as what is pushed gives way."""
 
     name = "link_compliance"
@@ -317,7 +317,7 @@ class LinkCompliance(Effect):
         return -self.c * self._force
 
 
-class ThermalDrift(Effect):
+class ThermalDrift(Imperfection):
     """gain (1 - exp(-t/tau)) f, plus gain_per_k (T - 22 deg C) f."""
 
     name = "thermal_drift"
@@ -332,7 +332,7 @@ class ThermalDrift(Effect):
         return (1.0 + warm) * effort
 
 
-class Inertia(Effect):
+class Inertia(Imperfection):
     """A mass m, kg, more on each carriage, carried by a counterweight; slow motion hides it."""
 
     name = "inertia"
@@ -342,7 +342,7 @@ class Inertia(Effect):
         robot.model.dof_armature[robot.motor_dofs] += self.m
 
 
-class PreslidingHysteresis(Effect):
+class PreslidingHysteresis(Imperfection):
     """Dahl friction: dF/dq = (fc/travel)(1 - F sign(v)/fc)."""
 
     name = "presliding_hysteresis"
@@ -358,7 +358,7 @@ class PreslidingHysteresis(Effect):
         return -self._friction
 
 
-class BodyMoment(Effect):
+class BodyMoment(Imperfection):
     """A first moment (x, y, z), kg m, in the frame of a body: its mass is not where the model has it."""
 
     name = "body_moment"
@@ -380,7 +380,7 @@ class BodyMoment(Effect):
         robot.add_moment(self.body, np.array([self.x, self.y, self.z]))
 
 
-class SoftStop(Effect):
+class SoftStop(Imperfection):
     """k (q - q0)^2 beyond q0 on the positive side."""
 
     name = "soft_stop"
@@ -391,7 +391,7 @@ class SoftStop(Effect):
         return -self.k * np.maximum(state.q - self.q0, 0.0) ** 2
 
 
-class FrictionBump(Effect):
+class FrictionBump(Imperfection):
     """Friction at one place of the guide: fc exp(-((q - q0)/width)^2) sign(v)."""
 
     name = "friction_bump"
@@ -406,7 +406,7 @@ class FrictionBump(Effect):
         return self.fc * np.exp(-(((state.q - self.q0) / self.width) ** 2))
 
 
-class CurrentCrosstalk(Effect):
+class CurrentCrosstalk(Imperfection):
     """Each drive also reports a part c of the next axis' effort."""
 
     name = "current_crosstalk"
@@ -417,7 +417,7 @@ class CurrentCrosstalk(Effect):
         return effort + self.c * self.sizes.effort * np.roll(effort / self.sizes.effort, -1)
 
 
-class MagneticSaturation(Effect):
+class MagneticSaturation(Imperfection):
     """Iron saturates: the current of an effort f grows as f (1 + (f/f_sat)^2)."""
 
     name = "magnetic_saturation"
@@ -428,7 +428,7 @@ class MagneticSaturation(Effect):
         return effort * (1.0 + (effort / self.f_sat) ** 2)
 
 
-class PeriodicDisturbance(Effect):
+class PeriodicDisturbance(Imperfection):
     """a sin(2 pi t/period): a machine next door."""
 
     name = "periodic_disturbance"
@@ -439,7 +439,7 @@ class PeriodicDisturbance(Effect):
         return effort + self.a * np.sin(2 * np.pi * state.t_s / self.period_s)
 
 
-class OffsetStep(Effect):
+class OffsetStep(Imperfection):
     """The effort jumps by a at t0: something came loose."""
 
     name = "offset_step"
@@ -449,7 +449,7 @@ class OffsetStep(Effect):
         return effort + self.a * (state.t_s > self.t0_s)
 
 
-class UniversalJointFriction(Effect):
+class UniversalJointFriction(Imperfection):
     """Friction in both hinges of the universal joints, N m."""
 
     name = "universal_joint_friction"
@@ -464,7 +464,7 @@ class UniversalJointFriction(Effect):
             robot.model.dof_frictionloss[robot.dofs(joint)] += self.fc
 
 
-class PlatformHose(Effect):
+class PlatformHose(Imperfection):
     """A hose from the platform to the base: linear springs between the forks' hinges, N m/rad."""
 
     name = "platform_hose"
@@ -478,7 +478,7 @@ class PlatformHose(Effect):
         robot.model.jnt_stiffness[robot.dofs("outer")] += self.k
 
 
-EFFECTS = {effect.name: effect for effect in Effect.__subclasses__()}
+EFFECTS = {effect.name: effect for effect in Imperfection.__subclasses__()}
 LISTED = [name for name, effect in EFFECTS.items() if effect.on_list]
 UNLISTED = [name for name, effect in EFFECTS.items() if not effect.on_list]
 # Inertia is asked for by name, with a --speed that shows it.
@@ -490,13 +490,13 @@ def drawable(names: Sequence[str], engine: Engine, sizes: Sizes) -> list[str]:
     return [name for name in names if EFFECTS[name].is_of(engine, sizes)]
 
 
-def drawn(name: str, rng: np.random.Generator, engine: Engine, sizes: Sizes) -> Effect:
+def drawn(name: str, rng: np.random.Generator, engine: Engine, sizes: Sizes) -> Imperfection:
     """The effect of a name, of random size, on a random body if it is of one."""
     given = {"body": str(rng.choice(engine.heavy_bodies))} if name == BodyMoment.name else {}
     return EFFECTS[name].draw(rng, sizes, **given)
 
 
-def parse_effect(text: str, rng: np.random.Generator, engine: Engine, sizes: Sizes) -> list[Effect]:
+def parse_effect(text: str, rng: np.random.Generator, engine: Engine, sizes: Sizes) -> list[Imperfection]:
     """Effects named by one --effect: none, one drawn at random, or one by name and parameters. Raises InputError."""
     name, _, settings = text.partition(":")
     if name == "none":
@@ -525,7 +525,7 @@ def _settings(name: str, text: str) -> dict:
     return given
 
 
-def field_effects() -> list[Effect]:
+def field_effects() -> list[Imperfection]:
     """What the paper finds in the real robot: friction of the passive joints, static friction, deformation and play.
 
     The sizes make the analytic model err by about 3.8 % on average at torsion 0, as in the paper's Table 2.

@@ -8,7 +8,7 @@ import numpy as np
 from gravcomp.errors import InputError
 from gravcomp.prototype.body import Prototype
 from gravcomp.prototype.engine import SERVO_PER_KG, TIME_STEP_S, Engine
-from gravcomp.prototype.imperfections import Effect, State
+from gravcomp.prototype.imperfections import Imperfection, PlantState
 from gravcomp.prototype.mechanism_engine import MechanismEngine
 from gravcomp.prototype.sizes import Sizes, sizes_of
 from gravcomp.robot.machine import Machine
@@ -18,8 +18,8 @@ from gravcomp.robot.spheiro.robot import Spheiro
 _RATE_BLEND = TIME_STEP_S / (TIME_STEP_S + 0.005)  # the error's rate is filtered with 5 ms
 _LARGEST_ERROR_M = 0.002  # of the Sphe.I.Ro.
 _AMBIENT_C, _WARMING_C, _WARMING_S = 22.0, 15.0, 300.0
-# Imperfections that suit a machine.
-Imperfections = Callable[[Engine, Sizes], Sequence[Effect]]
+# Gives imperfections that suit a machine.
+MakeImperfections = Callable[[Engine, Sizes], Sequence[Imperfection]]
 
 
 def engine_of(machine: Machine) -> Engine:
@@ -39,7 +39,7 @@ class Plant:
     model lacks, or a function that gives it for the machine in the engine and its sizes.
     """
 
-    def __init__(self, machine: Machine, effects: Sequence[Effect] | Imperfections = ()):
+    def __init__(self, machine: Machine, effects: Sequence[Imperfection] | MakeImperfections = ()):
         self.machine, self._drive = machine, machine.drive
         self.engine = robot = engine_of(machine)
         robot.mujoco.set_mju_user_warning(lambda message: None)  # or the engine leaves a log file; see check_control
@@ -49,7 +49,7 @@ class Plant:
             effect.install(robot)
         robot.mujoco.mj_setConst(robot.model, robot.data)
         n = machine.n_axes
-        self.state = State(*np.zeros((4, n)))
+        self.state = PlantState(*np.zeros((4, n)))
         self._last, self._held, self._rate = np.zeros((3, n))  # of the PID: error, integrated effort, rate of the error
         self._guide_friction = robot.model.dof_frictionloss[robot.motor_dofs].copy()
         self._frictions, self._forces, self._shifts, self._reports = (

@@ -17,7 +17,7 @@ from gravcomp.logs.measurement import Measurement
 from gravcomp.prototype import MODES
 from gravcomp.prototype.engine import Engine
 from gravcomp.prototype.experiment import measure, write_measurement
-from gravcomp.prototype.imperfections import LISTED, UNLISTED, Effect, drawable, drawn
+from gravcomp.prototype.imperfections import LISTED, UNLISTED, Imperfection, drawable, drawn
 from gravcomp.prototype.sizes import Sizes
 from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT
 from gravcomp_lab.shipped import shipped_machine
@@ -87,7 +87,7 @@ def _draw(kind: str, mode: str, rng: np.random.Generator):
     count = {"listed": 1, "pair": 2, "clean": 0, "unlisted": 1}[kind]
     pool = [name for name in DRAWN if mode != "static" or name not in NOT_IN_HOLDS]
 
-    def effects(engine: Engine, sizes: Sizes) -> Sequence[Effect]:
+    def effects(engine: Engine, sizes: Sizes) -> Sequence[Imperfection]:
         own = drawable(UNLISTED if kind == "unlisted" else pool, engine, sizes)
         while True:
             names = rng.choice(own, count, replace=False)

@@ -10,7 +10,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from gravcomp.files import write_atomically
-from gravcomp_lab.mutation.ports import Verdicts, markdown, output_ports, try_port
+from gravcomp_lab.mutation.ports import PortVerdicts, markdown, output_ports, try_port
 
 
 def add_arguments(parser):
@@ -25,7 +25,7 @@ def add_arguments(parser):
 
 def run(arguments):
     root = arguments.root.resolve()
-    every, verdicts = output_ports(root / "rtl"), Verdicts(arguments.verdicts, root)
+    every, verdicts = output_ports(root / "rtl"), PortVerdicts(arguments.verdicts, root)
     chosen = [port for port in every if not arguments.entity or port.entity in arguments.entity]
     to_try = [port for port in chosen if not verdicts.known(port)]
     print(f"{len(chosen)} ports, to be tried: {len(to_try)}", flush=True)

@@ -29,7 +29,7 @@ _BY_PROOF = "proof"
 
 
 @dataclass(frozen=True)
-class Port:
+class OutputPort:
     """An output port: its entity, name, type, and default with its assignment sign, or nothing."""
 
     entity: str
@@ -51,21 +51,21 @@ class Found:
     by: str
 
 
-def output_ports(rtl: Path) -> list[Port]:
+def output_ports(rtl: Path) -> list[OutputPort]:
     """The output ports of all entities of rtl/sources.f, in its order."""
     return [port for path in rtl_sources(rtl) for port in _ports(path)]
 
 
-def _ports(path: Path) -> list[Port]:
+def _ports(path: Path) -> list[OutputPort]:
     text = path.read_text()
     if not (entity := re.search(r"^entity (\w+) is$(.*?)^end\b", text, re.MULTILINE | re.DOTALL)):
         return []
     code = re.sub(r"--.*", "", entity[2])
     pattern = r"(\w+)\s*:\s*(?:out|buffer)\s+([^:;]*?)\s*(:=[^;]*?)?\s*(?:;|\)\s*;\s*$)"
-    return [Port(entity[1], *(group or "" for group in found)) for found in re.findall(pattern, code)]
+    return [OutputPort(entity[1], *(group or "" for group in found)) for found in re.findall(pattern, code)]
 
 
-def plant(text: str, port: Port, records: Mapping[str, tuple[str, str]]) -> str:
+def plant(text: str, port: OutputPort, records: Mapping[str, tuple[str, str]]) -> str:
     """The text of an entity's file with a fault at one of its ports; records: of record_types."""
     head, begin, body = re.split(rf"^(architecture \w+ of {port.entity} is)$", text, maxsplit=1, flags=re.MULTILINE)
     sound = f"{port.name}_sound"
@@ -98,7 +98,7 @@ def record_types(rtl: Path) -> dict[str, tuple[str, str]]:
             re.findall(pattern, path.read_text())}  # fmt: skip
 
 
-def try_port(port: Port, root: Path) -> Found:
+def try_port(port: OutputPort, root: Path) -> Found:
     """Plant the fault of a port in a copy of root's rtl/; look for a claim that breaks, else for a test that fails.
 
     Raises InputError when the fault does not compile, which would pass for found.
@@ -127,7 +127,7 @@ def _simulations(entity: str, root: Path) -> list[str]:
     return [test for test in relevant_tests(entity, root / "rtl", root / "tb") if "formal" not in test]
 
 
-class Verdicts:
+class PortVerdicts:
     """What found each fault, in a CSV file, with a key of all that this rests on in the tree of root."""
 
     _COLUMNS = ("entity", "port", "tool", "by", "key")
@@ -137,7 +137,7 @@ class Verdicts:
         lines = csv.DictReader(path.read_text().splitlines()) if path.exists() else []
         self._kept = {(line["entity"], line["port"]): line for line in lines}
 
-    def known(self, port: Port) -> Found | None:
+    def known(self, port: OutputPort) -> Found | None:
         """The verdict on a port, when nothing that it rests on has changed."""
         line = self._kept.get((port.entity, port.name))
         found = line and Found(*(line[name] for name in self._COLUMNS[:-1]))

@@ -45,7 +45,7 @@ class Sizes:
 
 
 @dataclass(frozen=True)
-class Table:
+class PrototypeTable:
     """errors[approach][row][torsion]; tuned[approach]: both ways of training on the field, the chosen one first;
     found: what was diagnosed, by source; cores: the cores after the loop, by source. A source is an approach's holds
     (approach, HOLDS) or the motion (MOTION,)."""
@@ -64,10 +64,10 @@ def core_row(source: str) -> str:
     return f"core after the loop, effects found in {source}"
 
 
-def table2(machine: Machine, simulated: Network, seed: int, sizes: Sizes = Sizes()) -> Table:
+def table2(machine: Machine, simulated: Network, seed: int, sizes: Sizes = Sizes()) -> PrototypeTable:
     """Measure, train, diagnose and compare. simulated: the network trained in simulation."""
     seeds = iter(np.random.SeedSequence(seed).generate_state(40).tolist())
-    table = Table({}, {}, {}, {})
+    table = PrototypeTable({}, {}, {}, {})
     motion = move_field(machine, sizes.motion, next(seeds))
     sets = {approach: _holds(machine, approach, sizes, seeds) for approach in APPROACHES}
     with tqdm(total=1 + 2 * len(sets), desc="training and diagnosis", delay=2.0) as progress:
@@ -99,13 +99,15 @@ def _holds(machine: Machine, approach: str, sizes: Sizes, seeds) -> tuple[Measur
     return training, tests
 
 
-def _diagnose(source, data: Measurement, simulated: Network, machine, sizes: Sizes, seed: int, table: Table) -> None:
+def _diagnose(
+    source, data: Measurement, simulated: Network, machine, sizes: Sizes, seed: int, table: PrototypeTable
+) -> None:
     with one_blas_thread():
         found = table.found[source] = diagnose(data, Model(machine), seed)
     table.cores[source] = build_core(found.fit, data, simulated, machine, sizes.retraining, seed)
 
 
-def _rows(simulated: Network, approach: str, table: Table) -> dict[str, Callable[[Measurement], np.ndarray]]:
+def _rows(simulated: Network, approach: str, table: PrototypeTable) -> dict[str, Callable[[Measurement], np.ndarray]]:
     """Each row's forces (n, 3), N, for a measurement."""
     rows = {
         FIELD: lambda data: table.tuned[approach][0].network.forces(data.q),
@@ -119,7 +121,7 @@ def _rows(simulated: Network, approach: str, table: Table) -> dict[str, Callable
     return rows | {TRUTH: true_forces}
 
 
-def markdown(table: Table) -> str:
+def markdown(table: PrototypeTable) -> str:
     """The table, the paper's figures beside ours."""
     head = [
         "model",
@@ -138,7 +140,7 @@ def markdown(table: Table) -> str:
     return "\n".join(lines) + "\n"
 
 
-def findings(table: Table) -> str:
+def findings(table: PrototypeTable) -> str:
     """What training and diagnosis chose, as Markdown lists."""
     lines = ["Ways of training on the field, RMS error in cross-validation (the first one is reported):", ""]
     for approach, tuned in table.tuned.items():

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from gravcomp_lab.peers.design import PeerDesign
-from gravcomp_lab.synthesis.place_route import Placement, place_and_route
+from gravcomp_lab.synthesis.place_route import PlacedDesign, place_and_route
 from gravcomp_lab.synthesis.yosys import synthesise
 
 PART = "85k"
@@ -58,7 +58,7 @@ def measure(design: PeerDesign, speeds: Sequence[int], seeds: Sequence[int], pro
     return row(design, placed)
 
 
-def row(design: PeerDesign, placed: Sequence[tuple[int, Placement]]) -> Row:
+def row(design: PeerDesign, placed: Sequence[tuple[int, PlacedDesign]]) -> Row:
     """The best clock of all placements at each speed grade, with the cells of the first one."""
     used, speeds = placed[0][1].used, sorted({speed for speed, _ in placed})
     best = {speed: max(found.clock_mhz for grade, found in placed if grade == speed) for speed in speeds}

@@ -20,7 +20,7 @@ _TIMING_WEIGHT = 30
 
 
 @dataclass(frozen=True)
-class Placement:
+class PlacedDesign:
     """What one run reached: the clock, the ends of its slowest path between two registers, cells used by type."""
 
     clock_mhz: float
@@ -44,7 +44,7 @@ def place_and_route(
     out: Path,
     router: str = "router1",
     options: Sequence[str] = (),
-) -> Placement:
+) -> PlacedDesign:
     """Place and route a netlist (JSON of target ecp5) on a part of PACKAGES at a speed grade; files go to folder out.
 
     A run whose netlist and options are those of the last one in this folder is not repeated: the same seed gives the
@@ -66,12 +66,12 @@ def place_and_route(
     return read_report(report)
 
 
-def read_report(report: Path) -> Placement:
+def read_report(report: Path) -> PlacedDesign:
     """The result in a report of nextpnr."""
     found = json.loads(report.read_text())
     ((clock, reached),) = found["fmax"].items()
     path = next(path for path in found["critical_paths"] if path["from"] == path["to"] == f"posedge {clock}")["path"]
-    return Placement(
+    return PlacedDesign(
         clock_mhz=reached["achieved"],
         path_from=path[0]["from"]["cell"],
         path_to=path[-1]["to"]["cell"],

@@ -16,7 +16,7 @@ from gravcomp.parallel import executor
 from gravcomp_lab.benches.core import core_run
 from gravcomp_lab.shipped import SPHEIRO
 from gravcomp_lab.synthesis import place_route
-from gravcomp_lab.synthesis.place_route import Placement, place_and_route
+from gravcomp_lab.synthesis.place_route import PlacedDesign, place_and_route
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 from gravcomp_lab.synthesis.yosys import Netlist, synthesise
 
@@ -130,7 +130,7 @@ def _result(lanes: int, part: str, timing: tuple[int, int], netlists: dict, plac
 
 def _place(
     case: tuple[int, int, int], netlist: Netlist, part: str, folder: Path
-) -> tuple[tuple[int, int, int], Placement]:
+) -> tuple[tuple[int, int, int], PlacedDesign]:
     lanes, speed, seed = case
     # Routing is the limit where nine tenths of the largest part's DSP blocks are taken.
     is_full = netlist.cells.get("MULT18X18D", 0) > 0.9 * max(PARTS.values())[0]
