@@ -182,5 +182,5 @@ async def dither_about_one_edge_is_no_fault_while_other_axes_move(dut):
     ],
 )
 def test_encoder_fault(name):
-    generics = {"lanes_g": 1, "speed_timeout_g": SPEED_TIMEOUT}
+    generics = {"lanes_g": 1, "loadable_g": "false", "speed_timeout_g": SPEED_TIMEOUT}
     simulate("gc_system", "test_rtl_encoder_faults", tests=rf"\.{name}(/|$)", label=name, generics=generics)
