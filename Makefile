@@ -136,6 +136,9 @@ synth: setup ## area and clock of the core of WEIGHTS with LANES="1 4 20", FORM=
 machines: setup ## the shipped machines: error, neurons, operations, clocks, cells of the core; docs/measured/machines.md
 	@$(LAB) machines --docs docs/measured
 
+largest-error: setup ## mean square against largest error: both networks of the Sphe.I.Ro., picture; docs/measured/largest_error.md
+	@$(LAB) largest-error --docs docs/measured
+
 bitstream: setup ## a bitstream: BOARD=ulx3s-85f (BOARD=list names all), WEIGHTS=, SELFTEST=1 without a robot, SEED=
 	@$(LAB) bitstream "$(BOARD)" --weights "$(WEIGHTS)" $(if $(SELFTEST),--selftest) --seed $(or $(SEED),1)
 
