@@ -63,9 +63,8 @@ async def stream(
             recording.valid.append(clock)
             for values, ask in read:
                 values.append(ask())
-        offers = (
-            position < len(inputs) and clock >= next_free and not (gap_probability and rng.random() < gap_probability)
-        )
+        may_offer = position < len(inputs) and clock >= next_free
+        offers = may_offer and not (gap_probability and rng.random() < gap_probability)
         offer(int(offers))
         if offers or not holds:
             for name, value in inputs[position if offers else -1 - position % len(inputs)].items():

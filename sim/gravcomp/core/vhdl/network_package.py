@@ -64,69 +64,71 @@ def _holds(path: Path, text: str) -> bool:
 
 def package_text(fixed: FixedNetwork, sha256: str, clock_hz: float, name: str) -> str:
     """VHDL text of gc_network_pkg for one network; hash, clock and name of its machine folder go into it."""
-    hidden_word_bits = fixed.hidden_sum_bits + fixed.n_inputs * q.OPERAND_BITS
-    output_word_bits = fixed.n_axes * q.OPERAND_BITS
-    return _TEMPLATE.format(
-        name=name,
-        sha256=sha256,
-        clock_hz=int(clock_hz),
-        current_scale=_packed(fixed.current_scale, q.OPERAND_BITS),
-        n_axes=fixed.n_axes,
-        n_inputs=fixed.n_inputs,
-        lean=str(fixed.is_lean).lower(),
-        turning="".join(str(int(turns)) for turns in fixed.is_turning[::-1]),
-        phase_bits=q.PHASE_BITS,
-        step_bits=q.STEP_BITS,
-        steps_bits=fixed.n_axes * q.STEP_BITS - 1,
-        coarse_step=_packed(fixed.coarse_step, q.STEP_BITS),
-        fine_step=_packed(fixed.fine_step, q.STEP_BITS),
-        n_hidden=fixed.n_hidden,
-        count_bits=q.COUNT_BITS,
-        force_bits=q.FORCE_BITS,
-        current_bits=q.CURRENT_BITS,
-        count_low=_integers(fixed.count_low),
-        count_high=_integers(fixed.count_high),
-        input_scale_bits=fixed.n_axes * q.OPERAND_BITS - 1,
-        input_scale=_packed(fixed.input_scale, q.OPERAND_BITS),
-        feature_bits=fixed.n_inputs * q.OPERAND_BITS - 1,
-        x_low=_packed(fixed.x_low, q.OPERAND_BITS),
-        x_high=_packed(fixed.x_high, q.OPERAND_BITS),
-        output_scale=_packed(fixed.output_scale, q.OPERAND_BITS),
-        output_bias_bits=fixed.n_axes * fixed.output_sum_bits - 1,
-        output_bias=_packed(fixed.output_bias, fixed.output_sum_bits),
-        hidden_word_bits=hidden_word_bits,
-        output_word_bits=output_word_bits,
-        hidden_words=_words(
-            [
-                [(bias, fixed.hidden_sum_bits), *((w, q.OPERAND_BITS) for w in row[::-1])]
-                for row, bias in zip(fixed.hidden_weights, fixed.hidden_bias, strict=True)
-            ]
-        ),
-        output_words=_words([[(v, q.OPERAND_BITS) for v in column[::-1]] for column in fixed.output_weights.T]),
-        preactivation_fraction=q.PREACTIVATION_FRACTION,
-        slope_fraction=q.SLOPE_FRACTION,
-        hidden_fraction=q.HIDDEN_FRACTION,
-        **{
-            key: _integers(getattr(fixed, key))
-            for key in ("count_shift", "input_scale_fraction", "output_scale_fraction", "current_scale_fraction")
-        },
-        **{
-            key: getattr(fixed, key)
-            for key in (
-                "x_fraction",
-                "weight_fraction",
-                "hidden_product_drop",
-                "hidden_sum_bits",
-                "preactivation_drop",
-                "output_weight_fraction",
-                "output_product_drop",
-                "output_sum_bits",
-                "y_fraction",
-                "y_bits",
-                "output_drop",
-            )
-        },
-    )
+    machine = {"name": name, "sha256": sha256, "clock_hz": int(clock_hz)}
+    return _TEMPLATE.format(**machine, **_sizes(fixed), **_scalars(fixed), **_weights(fixed), **_places(fixed))
+
+
+def _sizes(fixed: FixedNetwork) -> dict:
+    """Numbers of axes, inputs and neurons, the form, and widths that no network changes."""
+    return {
+        "n_axes": fixed.n_axes,
+        "n_inputs": fixed.n_inputs,
+        "n_hidden": fixed.n_hidden,
+        "lean": str(fixed.is_lean).lower(),
+        "turning": "".join(str(int(turns)) for turns in fixed.is_turning[::-1]),
+        "phase_bits": q.PHASE_BITS,
+        "step_bits": q.STEP_BITS,
+        "steps_bits": fixed.n_axes * q.STEP_BITS - 1,
+        "count_bits": q.COUNT_BITS,
+        "force_bits": q.FORCE_BITS,
+        "current_bits": q.CURRENT_BITS,
+    }
+
+
+def _scalars(fixed: FixedNetwork) -> dict:
+    """Constants of each axis or input, and the widths of those side by side."""
+    operands = ("current_scale", "input_scale", "x_low", "x_high", "output_scale")
+    return {
+        **{key: _packed(getattr(fixed, key), q.OPERAND_BITS) for key in operands},
+        **{key: _packed(getattr(fixed, key), q.STEP_BITS) for key in ("coarse_step", "fine_step")},
+        "count_low": _integers(fixed.count_low),
+        "count_high": _integers(fixed.count_high),
+        "input_scale_bits": fixed.n_axes * q.OPERAND_BITS - 1,
+        "feature_bits": fixed.n_inputs * q.OPERAND_BITS - 1,
+        "output_bias_bits": fixed.n_axes * fixed.output_sum_bits - 1,
+        "output_bias": _packed(fixed.output_bias, fixed.output_sum_bits),
+    }
+
+
+def _weights(fixed: FixedNetwork) -> dict:
+    """The words of both layers, one per neuron, and their widths."""
+    hidden = [
+        [(bias, fixed.hidden_sum_bits), *((weight, q.OPERAND_BITS) for weight in row[::-1])]
+        for row, bias in zip(fixed.hidden_weights, fixed.hidden_bias, strict=True)
+    ]
+    output = [[(weight, q.OPERAND_BITS) for weight in column[::-1]] for column in fixed.output_weights.T]
+    return {
+        "hidden_word_bits": fixed.hidden_sum_bits + fixed.n_inputs * q.OPERAND_BITS,
+        "output_word_bits": fixed.n_axes * q.OPERAND_BITS,
+        "hidden_words": _words(hidden),
+        "output_words": _words(output),
+    }
+
+
+def _places(fixed: FixedNetwork) -> dict:
+    """Where the binary points are, what is dropped, and how wide sums are."""
+    of_axes = ("count_shift", "input_scale_fraction", "output_scale_fraction", "current_scale_fraction")
+    of_all = (
+        "x_fraction", "weight_fraction", "hidden_product_drop", "hidden_sum_bits", "preactivation_drop",
+        "output_weight_fraction", "output_product_drop", "output_sum_bits", "y_fraction", "y_bits", "output_drop",
+    )  # fmt: skip
+    return {
+        **{key: _integers(getattr(fixed, key)) for key in of_axes},
+        **{key: getattr(fixed, key) for key in of_all},
+        "preactivation_fraction": q.PREACTIVATION_FRACTION,
+        "slope_fraction": q.SLOPE_FRACTION,
+        "hidden_fraction": q.HIDDEN_FRACTION,
+    }
 
 
 def _bits(value: int, width: int) -> str:
