@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from gravcomp.cli import main
+from gravcomp.diagnosis.candidate import Regressor
+from gravcomp.diagnosis.effects.thrust_constant import ThrustConstant
 from gravcomp.diagnosis.model import load_model, model_toml
+from gravcomp.logs.measurement import Measurement
 from machines import MACHINE, SHIPPED
 from measured_samples import motion
 
@@ -205,6 +208,18 @@ def test_gain_of_a_unit_is_no_thrust_constant(tmp_path):
     found = diagnosed(tmp_path, log(t_s=t, q1_rad=q, v1_radps=v, f1_nm=10.0 * model + noise, fm1_nm=model))
     assert "thrust_constant" not in names(found)
     assert is_said(found, "axis 1", "times the model", "unit")
+
+
+def test_search_seeks_a_gain_only_where_the_effort_is_near_the_model():
+    """What the log calls a unit or a sign, an effort of 0.3 times the model, is named no gain of -0.5 beside it."""
+    t, q, v, model, noise = arm()
+    position, speed, both = (np.column_stack([x, x]) for x in (q, v, model))
+    effort = np.column_stack([1.2 * model + noise, 0.3 * model + noise])
+    data = Measurement("log", t, position, speed, effort, both, "Nm", ("rad", "rad"))
+    found = Regressor.of(ThrustConstant(), data, np.arange(N))
+    assert found.term.labels == ("gain_1",)
+    np.testing.assert_array_equal(found.by_axis[0], model[:, None])
+    assert found.by_axis[1] is None
 
 
 def test_spikes_are_left_out_and_counted(tmp_path):

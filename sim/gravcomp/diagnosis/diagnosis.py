@@ -220,8 +220,8 @@ def _words(data: Measurement, after: np.ndarray, fit: Fit) -> tuple[list[str], b
         }
         if any(entry.intervals[label][1] < 0.0 for label in single if label in entry.intervals):
             notes.append(f"the model has too much {entry.name}: the change found is negative")
-    for i, gain in enumerate(sensors.gains(data)):
-        if not 0.5 < gain < 1.5:
+    for i, gain in enumerate(data.once(sensors.gains)):
+        if not sensors.is_a_gain(gain):
             notes.append(f"the effort of axis {i + 1} is {gain:.3g} times the model: a unit or a sign; check both")
     return notes, bool(level.any())
 

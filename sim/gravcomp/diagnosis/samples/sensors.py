@@ -125,6 +125,11 @@ def gains(data: Measurement) -> np.ndarray:
     return out
 
 
+def is_a_gain(gain: float) -> bool:
+    """Is an effort over a model one of a motor, and not of another unit, sign or machine?"""
+    return bool(0.5 < gain < 1.5)
+
+
 def _fits(data: Measurement, i: int, gain: float) -> bool:
     f, m = data.force[:, i], data.nominal[:, i]
     return spread((f - gain * m)[:, None])[0] < 0.5 * spread((f - m)[:, None])[0] or np.ptp(m) < 1e-9 * np.abs(m).max()
