@@ -30,7 +30,7 @@ typedef enum {
     GRAVCOMP_WRONG_VERSION, /* registers of another version than this driver's */
     GRAVCOMP_TIMEOUT,       /* not within the polls allowed */
     GRAVCOMP_FAULT,         /* stopped by a fault, see gravcomp_state.fault */
-    GRAVCOMP_REFUSED,       /* the core refuses the image: its length or its CRC is wrong */
+    GRAVCOMP_REFUSED,       /* the core refuses the image, its length or its CRC; or a move */
     GRAVCOMP_NOT_LOADABLE,  /* the core was built without banks */
     GRAVCOMP_TOO_FAST,      /* speed_max_counts_per_s is more than the core can measure with its encoder filter */
     GRAVCOMP_BAD_PERIOD,    /* index_period is not a multiple of 4 */

@@ -25,4 +25,7 @@ typedef enum {
 #define GRAVCOMP_LOAD_KEY 0x4B455953u
 #define GRAVCOMP_WORDS_PER_KICK 64u
 
+/* Words of records that can be read at once, from record_word on. */
+#define GRAVCOMP_RECORD_WINDOW 64u
+
 #endif

@@ -62,6 +62,9 @@ extern "C" {
 #define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bm 0xffff
 #define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bp 0
 #define GC_REGISTERS__ENCODER_GEOMETRY__FILTER_SAMPLES_bw 16
+#define GC_REGISTERS__ENCODER_GEOMETRY__MOTION_bm 0x10000
+#define GC_REGISTERS__ENCODER_GEOMETRY__MOTION_bp 16
+#define GC_REGISTERS__ENCODER_GEOMETRY__MOTION_bw 1
 
 // reg - gc_registers.trained_low[]
 #define GC_REGISTERS__TRAINED_LOWX__VALUE_bm 0xffffffff
@@ -266,14 +269,14 @@ extern "C" {
 #define GC_REGISTERS__SPEED_FLAGS__SPEED_ZERO_bw 8
 
 // reg - gc_registers.cause
-#define GC_REGISTERS__CAUSE__VALUE_bm 0xffff
+#define GC_REGISTERS__CAUSE__VALUE_bm 0x1ffff
 #define GC_REGISTERS__CAUSE__VALUE_bp 0
-#define GC_REGISTERS__CAUSE__VALUE_bw 16
+#define GC_REGISTERS__CAUSE__VALUE_bw 17
 
 // reg - gc_registers.fault
-#define GC_REGISTERS__FAULT__CLEAR_bm 0xffff
+#define GC_REGISTERS__FAULT__CLEAR_bm 0x1ffff
 #define GC_REGISTERS__FAULT__CLEAR_bp 0
-#define GC_REGISTERS__FAULT__CLEAR_bw 16
+#define GC_REGISTERS__FAULT__CLEAR_bw 17
 #define GC_REGISTERS__FAULT__CLEAR_reset 0x0
 #define GC_REGISTERS__FAULT__ESTOP_bm 0x1
 #define GC_REGISTERS__FAULT__ESTOP_bp 0
@@ -323,11 +326,14 @@ extern "C" {
 #define GC_REGISTERS__FAULT__UPSET_bm 0x8000
 #define GC_REGISTERS__FAULT__UPSET_bp 15
 #define GC_REGISTERS__FAULT__UPSET_bw 1
+#define GC_REGISTERS__FAULT__FOLLOWING_bm 0x10000
+#define GC_REGISTERS__FAULT__FOLLOWING_bp 16
+#define GC_REGISTERS__FAULT__FOLLOWING_bw 1
 
 // reg - gc_registers.first_cause
-#define GC_REGISTERS__FIRST_CAUSE__VALUE_bm 0xffff
+#define GC_REGISTERS__FIRST_CAUSE__VALUE_bm 0x1ffff
 #define GC_REGISTERS__FIRST_CAUSE__VALUE_bp 0
-#define GC_REGISTERS__FIRST_CAUSE__VALUE_bw 16
+#define GC_REGISTERS__FIRST_CAUSE__VALUE_bw 17
 
 // reg - gc_registers.control_now
 #define GC_REGISTERS__CONTROL_NOW__ENABLE_bm 0x1

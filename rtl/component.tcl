@@ -15,6 +15,8 @@ proc init_gui {IPINST} {
     ipgui::add_param $IPINST -name brake_test_g
     ipgui::add_param $IPINST -name guard_g
     ipgui::add_param $IPINST -name twin_g
+    ipgui::add_param $IPINST -name motion_g
+    ipgui::add_param $IPINST -name record_bits_g
 }
 
 proc update_PARAM_VALUE.lanes_g {PARAM_VALUE.lanes_g} {}
@@ -145,4 +147,24 @@ proc validate_PARAM_VALUE.twin_g {PARAM_VALUE.twin_g} {
 
 proc update_MODELPARAM_VALUE.twin_g {MODELPARAM_VALUE.twin_g PARAM_VALUE.twin_g} {
     set_property value [get_property value ${PARAM_VALUE.twin_g}] ${MODELPARAM_VALUE.twin_g}
+}
+
+proc update_PARAM_VALUE.motion_g {PARAM_VALUE.motion_g} {}
+
+proc validate_PARAM_VALUE.motion_g {PARAM_VALUE.motion_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.motion_g {MODELPARAM_VALUE.motion_g PARAM_VALUE.motion_g} {
+    set_property value [get_property value ${PARAM_VALUE.motion_g}] ${MODELPARAM_VALUE.motion_g}
+}
+
+proc update_PARAM_VALUE.record_bits_g {PARAM_VALUE.record_bits_g} {}
+
+proc validate_PARAM_VALUE.record_bits_g {PARAM_VALUE.record_bits_g} {
+    return true
+}
+
+proc update_MODELPARAM_VALUE.record_bits_g {MODELPARAM_VALUE.record_bits_g PARAM_VALUE.record_bits_g} {
+    set_property value [get_property value ${PARAM_VALUE.record_bits_g}] ${MODELPARAM_VALUE.record_bits_g}
 }

@@ -69,8 +69,13 @@ serial/gc_modbus.vhd
 registers/reg_utils.vhd
 generated/gc_registers_pkg.vhd
 generated/gc_registers.vhd
+generated/gc_motion_registers_pkg.vhd
+generated/gc_motion_registers.vhd
 system/gc_system_pkg.vhd
+system/gc_register_split.vhd
+system/gc_motion_bus.vhd
 system/gc_bus_side.vhd
+system/gc_motion.vhd
 system/gc_core_side.vhd
 system/gc_core_twin.vhd
 system/gc_system.vhd

@@ -293,12 +293,6 @@ def test_limits_of_the_guide_can_be_held(tmp_path):
         assert board.host.complaint(board.identity, load_limits(path, SPHEIRO)) is None
 
 
-@pytest.mark.parametrize("verb", ["move", "record"])
-def test_verbs_without_their_hardware_say_so(verb, capsys):
-    assert main(["board", "/dev/null", verb]) == 2
-    assert one_line(capsys).startswith(f"gravcomp board: {verb}: needs gc_")
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -307,6 +301,7 @@ def test_verbs_without_their_hardware_say_so(verb, capsys):
         (("info", "--timeout", "0"), "--timeout 0: need more than 0"),
         (("info", "--timeout", "nan"), "--timeout nan: need more than 0"),
         (("watch", "--seconds", "-1"), "--seconds -1: need more than 0"),
+        (("move", "--robot", "x", "--limits", "y", "--to", "0", "--hold", "-1"), "--hold -1: need 0 or more"),
         (("info", "--parity", "mark"), "invalid choice: 'mark'"),
         (("fly",), "invalid choice: 'fly'"),
     ],

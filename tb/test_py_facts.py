@@ -8,7 +8,7 @@ import pytest
 from codes import ROOT
 from gravcomp import facts
 from gravcomp.core.compensator_tables import MANTISSA_BITS, N_POSITIONS, N_SPEEDS
-from gravcomp.driver.registers import read_registers
+from gravcomp.driver.registers import MOTION_XML, read_registers
 from gravcomp.errors import InputError
 from gravcomp.facts import ALWAYS, Cause, State
 from gravcomp_lab.registers.facts import SOURCE, Facts
@@ -18,6 +18,7 @@ from runner import RTL
 BUS_SIDE = source_of(RTL, "gc_bus_side").read_text()
 GUIDE = ROOT / "docs" / "guide"
 REGISTERS = read_registers()
+MOTION = read_registers(MOTION_XML)
 
 
 def test_every_cause_is_wired_to_the_fault_of_its_name():
@@ -44,10 +45,21 @@ def test_every_cause_and_state_has_its_row_in_the_guide():
     assert {name: int(code, 2) for name, code in rows if name.isupper()} == {s.name: int(s) for s in State}
 
 
-def test_registers_of_the_guide_are_at_their_offsets():
-    rows = re.findall(r"^\| 0x(\w+) \| `(\w+)`", (GUIDE / "system.md").read_text(), re.M)
-    assert len(rows) > 10
-    assert [(name, int(offset, 16)) for offset, name in rows] == [(name, REGISTERS[name].address) for _, name in rows]
+@pytest.mark.parametrize(("page", "registers"), [("system", REGISTERS), ("motion", MOTION)])
+def test_registers_of_the_guide_are_at_their_offsets(page, registers):
+    rows = re.findall(r"^\| 0x(\w+) \| `(\w+)`", (GUIDE / f"{page}.md").read_text(), re.M)
+    assert len(rows) > 7
+    assert [(name, int(offset, 16)) for offset, name in rows] == [(name, registers[name].address) for _, name in rows]
+
+
+def test_registers_of_motion_are_beside_the_others():
+    """Where gc_bus_side looks for them, settings apart from the rest; what a record shows at once fills its block."""
+    settings = {name for name, register in MOTION.items() if register.holding}
+    assert {REGISTERS[name].address >> 11 for name in REGISTERS} == {0}
+    assert {name for name, register in MOTION.items() if 0x800 <= register.address < 0xA00} == settings
+    assert all(0xA00 <= register.address < 0x1000 for name, register in MOTION.items() if name not in settings)
+    assert [name for name, r in MOTION.items() if r.address >= MOTION["record_word"].address] == ["record_word"]
+    assert 4 * facts.RECORD_WINDOW == 0x100
 
 
 def test_any_two_states_differ_in_two_bits():

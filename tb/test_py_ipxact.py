@@ -214,9 +214,10 @@ def test_component_of_other_axes_has_their_registers_and_ports(n_axes, schema, t
     assert read_registers(path) == registers_of(n_axes)
     root = ElementTree.parse(path).getroot()
     ports = {text("s:name", p): text(".//s:left", p) for p in find("s:model/s:ports/s:port", root)}
-    per_axis = ("pin_a", "pin_b", "pin_z", "pin_error", "brake_release", "brake_engage", "brake_fed")
+    per_axis = ("pin_a", "pin_b", "pin_z", "pin_error", "brake_release", "brake_engage", "brake_fed", "sense_valid")
     assert {ports[name] for name in per_axis} == {str(n_axes - 1)}
-    assert ports["drive_current"] == str(32 * n_axes - 1)
-    others = {name: left for name, left in ports.items() if name not in (*per_axis, "drive_current")}
+    words = ("drive_current", "sense_current")
+    assert {ports[name] for name in words} == {str(32 * n_axes - 1)}
+    others = {name: left for name, left in ports.items() if name not in (*per_axis, *words)}
     known = {text("s:name", p): text(".//s:left", p) for p in find("s:model/s:ports/s:port")}
     assert others == {name: known[name] for name in others}

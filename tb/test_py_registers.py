@@ -7,7 +7,7 @@ import pytest
 
 from codes import ROOT
 from gravcomp import __version__
-from gravcomp.driver.registers import REGISTERS_XML, read_registers
+from gravcomp.driver.registers import MOTION_XML, REGISTERS_XML, read_registers
 from gravcomp.errors import InputError
 from gravcomp_lab.ipxact.component import SCRIPT
 from runner import RTL
@@ -15,11 +15,14 @@ from runner import RTL
 GENERATED = [
     *(RTL / "registers" / name for name in ("gc_facts_pkg.vhd", "gc_scalars_pkg.vhd")),
     REGISTERS_XML,
+    MOTION_XML,
     *(RTL / name for name in ("component.xml", SCRIPT)),
-    *(ROOT / "host" / name for name in ("gravcomp_registers.h", "gravcomp_facts.h")),
+    *(ROOT / "host" / name for name in ("gravcomp_registers.h", "gravcomp_motion_registers.h", "gravcomp_facts.h")),
     ROOT / "sim" / "gravcomp" / "facts.py",
     ROOT / "docs" / "guide" / "system.md",
 ]
+# By the name of their description and header.
+MAPS = {"registers": REGISTERS_XML, "motion_registers": MOTION_XML}
 
 
 @pytest.fixture(scope="module")
@@ -36,27 +39,30 @@ def test_register_files_come_from_the_description(fresh, path):
     assert path.read_bytes() == (fresh / relative).read_bytes(), f"{relative} is stale; start `make regs`"
 
 
-def test_register_pages_are_written(fresh):
-    assert (fresh / "build" / "registers" / "index.html").stat().st_size > 0
+@pytest.mark.parametrize("name", MAPS)
+def test_register_pages_are_written(fresh, name):
+    assert (fresh / "build" / name / "index.html").stat().st_size > 0
 
 
-def test_register_addresses_of_header_and_ipxact_agree():
+@pytest.mark.parametrize("name", MAPS)
+def test_register_addresses_of_header_and_ipxact_agree(name):
     """Offsets of the C struct, counted from its members' sizes, against the IP-XACT addresses that Python uses."""
-    header = (ROOT / "host" / "gravcomp_registers.h").read_text()
+    header = (ROOT / "host" / f"gravcomp_{name}.h").read_text()
     members = re.findall(r"^    uint(8|32)_t (\w+)(?:\[(\w+)\])?;", header, re.MULTILINE)
     offset, offsets = 0, {}
-    for bits, name, count in members:
-        offsets[name] = (offset, int(count or "1", 0))
+    for bits, member, count in members:
+        offsets[member] = (offset, int(count or "1", 0))
         offset += int(bits) // 8 * int(count or "1", 0)
-    expected = {name: (register.address, register.count) for name, register in read_registers().items()}
-    assert {name: where for name, where in offsets.items() if not name.startswith("RESERVED")} == expected
+    expected = {of: (register.address, register.count) for of, register in read_registers(MAPS[name]).items()}
+    assert {member: where for member, where in offsets.items() if not member.startswith("RESERVED")} == expected
 
 
-def test_register_fields_of_header_and_ipxact_agree():
-    header = (ROOT / "host" / "gravcomp_registers.h").read_text()
-    for name, register in read_registers().items():
+@pytest.mark.parametrize("description", MAPS)
+def test_register_fields_of_header_and_ipxact_agree(description):
+    header = (ROOT / "host" / f"gravcomp_{description}.h").read_text()
+    for name, register in read_registers(MAPS[description]).items():
         for field, (low, width) in register.fields.items():
-            c_name = rf"GC_REGISTERS__{name}X?__{field}".upper()
+            c_name = rf"GC_{description}__{name}X?__{field}".upper()
             mask = re.search(rf"#define {c_name}_bm (0x\w+)", header)
             assert int(mask.group(1), 16) == (2**width - 1) << low, c_name
 

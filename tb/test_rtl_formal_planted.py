@@ -79,6 +79,7 @@ PLANTED = [
         ("limit_v := still_c;", "null;", "speed_is_held_against_every_limit"),
         ("if in_illegal(i) = '1'", "if in_illegal(0) = '1'", "lost_counts_engage_the_brakes"),
         ("if in_referenced(i) = '0'", "if in_referenced(0) = '0'", "lost_reference_engages_the_brakes"),
+        ("if in_astray(i) = '1'", "if in_astray(0) = '1'", "following_error_engages_the_brakes"),
         ("state_braked_c else present", "state_holding_c else present", "causes_engage_the_brakes"),
         ("(sts_fault and not clear) = no_causes_c", "healthy = '1'", "fault_is_the_state_of_latched_causes"),
     ]),

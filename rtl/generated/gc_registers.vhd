@@ -356,7 +356,7 @@ architecture rtl of gc_registers is
     type gc_registers_period_min_clocks_combo_t_array is array(natural range <>) of gc_registers_period_min_clocks_combo_t;
 
     type gc_registers_fault_clear_combo_t is record
-        next_q : std_logic_vector(15 downto 0);
+        next_q : std_logic_vector(16 downto 0);
         load_next : std_logic;
     end record;
 
@@ -678,7 +678,7 @@ architecture rtl of gc_registers is
     type gc_registers_period_min_clocks_storage_t_array is array(natural range <>) of gc_registers_period_min_clocks_storage_t;
 
     type gc_registers_fault_clear_storage_t is record
-        value : std_logic_vector(15 downto 0);
+        value : std_logic_vector(16 downto 0);
     end record;
 
     type gc_registers_fault_storage_t is record
@@ -2027,13 +2027,13 @@ begin
 
     -- Field: gc_registers.fault.clear
     process(all)
-        variable next_c: std_logic_vector(15 downto 0);
+        variable next_c: std_logic_vector(16 downto 0);
         variable load_next_c: std_logic;
     begin
         next_c := field_storage.fault.clear.value;
         load_next_c := '0';
         if decoded_reg_strb.fault and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.fault.clear.value and not decoded_wr_biten(15 downto 0)) or (decoded_wr_data(15 downto 0) and decoded_wr_biten(15 downto 0));
+            next_c := (field_storage.fault.clear.value and not decoded_wr_biten(16 downto 0)) or (decoded_wr_data(16 downto 0) and decoded_wr_biten(16 downto 0));
             load_next_c := '1';
         elsif hwif_in.fault.clear.hwclr then -- HW Clear
             next_c := (others => '0');
@@ -2044,10 +2044,10 @@ begin
     end process;
     process(clk) begin
         if false then -- async reset
-            field_storage.fault.clear.value <= 16x"0";
+            field_storage.fault.clear.value <= 17x"0";
         elsif rising_edge(clk) then
             if rst then -- sync reset
-                field_storage.fault.clear.value <= 16x"0";
+                field_storage.fault.clear.value <= 17x"0";
             else
                 if field_combo.fault.clear.load_next then
                     field_storage.fault.clear.value <= field_combo.fault.clear.next_q;
@@ -2555,15 +2555,15 @@ begin
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.cause.data(15 downto 0) <= hwif_in.cause.value.next_q;
-                rbuf_storage.cause.data(31 downto 16) <= (others => '0');
+                rbuf_storage.cause.data(16 downto 0) <= hwif_in.cause.value.next_q;
+                rbuf_storage.cause.data(31 downto 17) <= (others => '0');
             end if;
         end if;
     end process;
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.fault.data(15 downto 0) <= field_storage.fault.clear.value;
+                rbuf_storage.fault.data(16 downto 0) <= field_storage.fault.clear.value;
                 rbuf_storage.fault.data(0 downto 0) <= to_std_logic_vector(hwif_in.fault.estop.next_q);
                 rbuf_storage.fault.data(1 downto 1) <= to_std_logic_vector(hwif_in.fault.encoder.next_q);
                 rbuf_storage.fault.data(2 downto 2) <= to_std_logic_vector(hwif_in.fault.crc.next_q);
@@ -2580,15 +2580,16 @@ begin
                 rbuf_storage.fault.data(13 downto 13) <= to_std_logic_vector(hwif_in.fault.clock.next_q);
                 rbuf_storage.fault.data(14 downto 14) <= to_std_logic_vector(hwif_in.fault.core.next_q);
                 rbuf_storage.fault.data(15 downto 15) <= to_std_logic_vector(hwif_in.fault.upset.next_q);
-                rbuf_storage.fault.data(31 downto 16) <= (others => '0');
+                rbuf_storage.fault.data(16 downto 16) <= to_std_logic_vector(hwif_in.fault.following.next_q);
+                rbuf_storage.fault.data(31 downto 17) <= (others => '0');
             end if;
         end if;
     end process;
     process(clk) begin
         if rising_edge(clk) then
             if decoded_reg_strb.result_number and not decoded_req_is_wr then
-                rbuf_storage.first_cause.data(15 downto 0) <= hwif_in.first_cause.value.next_q;
-                rbuf_storage.first_cause.data(31 downto 16) <= (others => '0');
+                rbuf_storage.first_cause.data(16 downto 0) <= hwif_in.first_cause.value.next_q;
+                rbuf_storage.first_cause.data(31 downto 17) <= (others => '0');
             end if;
         end if;
     end process;
@@ -2700,6 +2701,7 @@ begin
         end loop;
         if rd_mux_addr = 16#50# then
             readback_data_var(15 downto 0) := hwif_in.encoder_geometry.filter_samples.next_q;
+            readback_data_var(16) := hwif_in.encoder_geometry.motion.next_q;
         end if;
         for i0 in 0 to 2 loop
             if rd_mux_addr = 16#60# + i0 * 16#4# then

@@ -64,8 +64,13 @@ package gc_registers_pkg is
         next_q : std_logic_vector(15 downto 0);
     end record;
 
+    type gc_registers_encoder_geometry_motion_in_t is record
+        next_q : std_logic;
+    end record;
+
     type gc_registers_encoder_geometry_in_t is record
         filter_samples : gc_registers_encoder_geometry_filter_samples_in_t;
+        motion : gc_registers_encoder_geometry_motion_in_t;
     end record;
 
     type gc_registers_trained_lowx_value_in_t is record
@@ -188,7 +193,7 @@ package gc_registers_pkg is
     end record;
 
     type gc_registers_cause_value_in_t is record
-        next_q : std_logic_vector(15 downto 0);
+        next_q : std_logic_vector(16 downto 0);
     end record;
 
     type gc_registers_cause_in_t is record
@@ -263,6 +268,10 @@ package gc_registers_pkg is
         next_q : std_logic;
     end record;
 
+    type gc_registers_fault_following_in_t is record
+        next_q : std_logic;
+    end record;
+
     type gc_registers_fault_in_t is record
         clear : gc_registers_fault_clear_in_t;
         estop : gc_registers_fault_estop_in_t;
@@ -281,10 +290,11 @@ package gc_registers_pkg is
         clock : gc_registers_fault_clock_in_t;
         core : gc_registers_fault_core_in_t;
         upset : gc_registers_fault_upset_in_t;
+        following : gc_registers_fault_following_in_t;
     end record;
 
     type gc_registers_first_cause_value_in_t is record
-        next_q : std_logic_vector(15 downto 0);
+        next_q : std_logic_vector(16 downto 0);
     end record;
 
     type gc_registers_first_cause_in_t is record
@@ -666,7 +676,7 @@ package gc_registers_pkg is
     type gc_registers_period_min_clocksx_out_t_array is array(natural range <>) of gc_registers_period_min_clocksx_out_t;
 
     type gc_registers_fault_clear_out_t is record
-        value : std_logic_vector(15 downto 0);
+        value : std_logic_vector(16 downto 0);
     end record;
 
     type gc_registers_fault_out_t is record

@@ -17,7 +17,7 @@ package gc_facts_pkg is
   constant state_fault_c   : safety_state_t := "110";
 
   -- Causes, bit by bit; docs/guide/safety.md says when each is present.
-  constant causes_c : positive := 16;
+  constant causes_c : positive := 17;
   constant cause_estop_c        : natural := 0;
   constant cause_encoder_c      : natural := 1;
   constant cause_crc_c          : natural := 2;
@@ -34,17 +34,21 @@ package gc_facts_pkg is
   constant cause_clock_c        : natural := 13;
   constant cause_core_c         : natural := 14;
   constant cause_upset_c        : natural := 15;
+  constant cause_following_c    : natural := 16;
 
   subtype causes_t is std_ulogic_vector(causes_c - 1 downto 0);
 
   constant no_causes_c : causes_t := (others => '0');
 
   -- Causes that are faults while braked, too.
-  constant always_causes_c : causes_t := "1101000000001111";
+  constant always_causes_c : causes_t := "01101000000001111";
 
   -- Loading: the key, and the registers that it guards, in blocks of 16 bytes.
   constant load_key_c   : std_ulogic_vector(31 downto 0) := x"4B455953";
   constant load_block_c : std_ulogic_vector(11 downto 4) := x"62";
+
+  -- Words of records that the host can read at once.
+  constant record_window_c : positive := 64;
 
   constant operand_bits_c          : positive := 18;
   constant image_word_bits_c       : positive := 32;

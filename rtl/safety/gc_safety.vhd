@@ -68,6 +68,8 @@ entity gc_safety is
     in_clock_bad          : in    std_ulogic;
     in_core_bad           : in    std_ulogic;
     in_upset              : in    std_ulogic;
+    -- The axis is too far from its setpoint (gc_servo). Only with motion.
+    in_astray             : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
     -- Read-back per axis, asynchronous; '1': the brake is fed, it is released. Only with brake_feedback_g.
     brake_fed             : in    std_ulogic_vector(axes_c - 1 downto 0);
     -- Lowest and highest count that is no fault, axis 1 lowest.
@@ -268,6 +270,9 @@ begin
 
         if in_illegal(i) = '1' then
           flags_1(cause_encoder_c) <= '1';
+        end if;
+        if in_astray(i) = '1' then
+          flags_1(cause_following_c) <= '1';
         end if;
         if in_referenced(i) = '0' then
           flags_1(cause_unreferenced_c) <= '1';

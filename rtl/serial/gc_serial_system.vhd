@@ -42,7 +42,9 @@ entity gc_serial_system is
     brake_feedback_g  : boolean := false;
     brake_test_g      : boolean := false;
     guard_g           : boolean := true;
-    twin_g            : boolean := false
+    twin_g            : boolean := false;
+    motion_g          : boolean := false;
+    record_bits_g     : positive := 10
   );
   port (
     -- Clock of the registers and of the line.
@@ -68,7 +70,9 @@ entity gc_serial_system is
     drive_enable  : out   std_ulogic;
     brake_release : out   std_ulogic_vector(axes_c - 1 downto 0);
     brake_engage  : out   std_ulogic_vector(axes_c - 1 downto 0);
-    brake_fed     : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0')
+    brake_fed     : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
+    sense_valid   : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
+    sense_current : in    signed(axes_c * current_bits_c - 1 downto 0) := (others => '0')
   );
 end entity gc_serial_system;
 
@@ -205,7 +209,9 @@ begin
       brake_feedback_g  => brake_feedback_g,
       brake_test_g      => brake_test_g,
       guard_g           => guard_g,
-      twin_g            => twin_g
+      twin_g            => twin_g,
+      motion_g          => motion_g,
+      record_bits_g     => record_bits_g
     )
     port map (
       s_axi_aclk    => bus_clk,
@@ -241,7 +247,9 @@ begin
       drive_enable  => drive_enable,
       brake_release => brake_release,
       brake_engage  => brake_engage,
-      brake_fed     => brake_fed
+      brake_fed     => brake_fed,
+      sense_valid   => sense_valid,
+      sense_current => sense_current
     );
 
 end architecture rtl;

@@ -12,6 +12,8 @@
 -- A write address is taken when the write before it was answered and what that loads has gone out, in one word with
 -- the settings: a write finds the lock as those before it have left it, none overtakes another on the way to the core,
 -- and nothing is loaded faster than it is taken.
+-- With motion_g the upper half of the addresses is that of gc_motion_registers, and one read may be under way. A read
+-- of a word of a record waits until the core has sent it; while the core's clock stands it gets SLVERR.
 -- Latency: 1 clock from in_valid to the interrupt status. AXI4-Lite: see generated/gc_registers.vhd; one write and two
 -- reads may be under way.
 
@@ -35,7 +37,10 @@ entity gc_bus_side is
     filter_samples_g : natural := 4;
     loadable_g       : boolean := true;
     -- Whether settings, and what waits to go out, are watched for wrong bits.
-    guard_g          : boolean := false
+    guard_g          : boolean := false;
+    -- Whether there is gc_motion, and words of its recorder's ring, as a power of two.
+    motion_g         : boolean := false;
+    record_bits_g    : positive := 10
   );
   port (
     clk           : in    std_ulogic;
@@ -80,7 +85,10 @@ architecture rtl of gc_bus_side is
 
   -- Upper part of the addresses of the settings, and the one among them that keeps nothing.
   constant settings_block_c   : std_ulogic_vector(11 downto 9) := "001";
+  constant motion_block_c     : std_ulogic_vector(11 downto 9) := "100";
   constant command_register_c : std_ulogic_vector(11 downto 0) := x"204";
+
+  constant following_only_c : causes_t := (cause_following_c => '1', others => '0');
 
   signal regs_in  : gc_registers_in_t;
   signal regs_out : gc_registers_out_t;
@@ -92,8 +100,24 @@ architecture rtl of gc_bus_side is
   signal write_valid   : std_ulogic;
   signal awready       : std_ulogic;
   signal bvalid        : std_ulogic;
-  signal loaded        : std_ulogic := '0';
 
+  -- The handshakes, as gc_registers has them.
+  signal core_awvalid : std_ulogic;
+  signal core_awready : std_ulogic;
+  signal core_wvalid  : std_ulogic;
+  signal core_wready  : std_ulogic;
+  signal core_bvalid  : std_ulogic;
+  signal core_bready  : std_ulogic;
+  signal core_bresp   : std_ulogic_vector(1 downto 0);
+  signal core_arvalid : std_ulogic;
+  signal core_arready : std_ulogic;
+  signal core_rvalid  : std_ulogic;
+  signal core_rready  : std_ulogic;
+  signal core_rdata   : word_t;
+  signal core_rresp   : std_ulogic_vector(1 downto 0);
+  signal loaded       : std_ulogic := '0';
+
+  signal fetch         : fetch_t;
   signal settings      : settings_t;
   signal settings_held : held_t;
   signal parity        : parity_t;
@@ -121,30 +145,102 @@ begin
     port map (
       clk            => clk,
       rst            => rst,
-      s_axil_awready => awready,
-      s_axil_awvalid => write_valid,
+      s_axil_awready => core_awready,
+      s_axil_awvalid => core_awvalid,
       s_axil_awaddr  => write_address,
       s_axil_awprot  => s_axi_awprot,
-      s_axil_wready  => s_axi_wready,
-      s_axil_wvalid  => s_axi_wvalid,
+      s_axil_wready  => core_wready,
+      s_axil_wvalid  => core_wvalid,
       s_axil_wdata   => s_axi_wdata,
       s_axil_wstrb   => s_axi_wstrb,
-      s_axil_bready  => s_axi_bready,
-      s_axil_bvalid  => bvalid,
-      s_axil_bresp   => s_axi_bresp,
-      s_axil_arready => s_axi_arready,
-      s_axil_arvalid => s_axi_arvalid,
+      s_axil_bready  => core_bready,
+      s_axil_bvalid  => core_bvalid,
+      s_axil_bresp   => core_bresp,
+      s_axil_arready => core_arready,
+      s_axil_arvalid => core_arvalid,
       s_axil_araddr  => s_axi_araddr,
       s_axil_arprot  => s_axi_arprot,
-      s_axil_rready  => s_axi_rready,
-      s_axil_rvalid  => s_axi_rvalid,
-      s_axil_rdata   => s_axi_rdata,
-      s_axil_rresp   => s_axi_rresp,
+      s_axil_rready  => core_rready,
+      s_axil_rvalid  => core_rvalid,
+      s_axil_rdata   => core_rdata,
+      s_axil_rresp   => core_rresp,
       hwif_in        => regs_in,
       hwif_out       => regs_out
     );
 
   irq <= regs_out.interrupt_status.intr;
+
+  -- Motion
+
+  g_motion : if motion_g generate
+
+    i_motion : entity work.gc_motion_bus
+      generic map (
+        record_bits_g => record_bits_g
+      )
+      port map (
+        clk           => clk,
+        rst           => rst,
+        s_axi_awaddr  => write_address,
+        s_axi_awprot  => s_axi_awprot,
+        s_axi_awvalid => write_valid,
+        s_axi_awready => awready,
+        s_axi_wdata   => s_axi_wdata,
+        s_axi_wstrb   => s_axi_wstrb,
+        s_axi_wvalid  => s_axi_wvalid,
+        s_axi_wready  => s_axi_wready,
+        s_axi_bresp   => s_axi_bresp,
+        s_axi_bvalid  => bvalid,
+        s_axi_bready  => s_axi_bready,
+        s_axi_araddr  => s_axi_araddr,
+        s_axi_arprot  => s_axi_arprot,
+        s_axi_arvalid => s_axi_arvalid,
+        s_axi_arready => s_axi_arready,
+        s_axi_rdata   => s_axi_rdata,
+        s_axi_rresp   => s_axi_rresp,
+        s_axi_rvalid  => s_axi_rvalid,
+        s_axi_rready  => s_axi_rready,
+        m_axi_awvalid => core_awvalid,
+        m_axi_awready => core_awready,
+        m_axi_wvalid  => core_wvalid,
+        m_axi_wready  => core_wready,
+        m_axi_bresp   => core_bresp,
+        m_axi_bvalid  => core_bvalid,
+        m_axi_bready  => core_bready,
+        m_axi_arvalid => core_arvalid,
+        m_axi_arready => core_arready,
+        m_axi_rdata   => core_rdata,
+        m_axi_rresp   => core_rresp,
+        m_axi_rvalid  => core_rvalid,
+        m_axi_rready  => core_rready,
+        out_settings  => settings.motion,
+        out_move      => command.move,
+        out_fetch     => fetch,
+        in_alive      => in_alive,
+        in_state      => in_state.motion
+      );
+
+    command.clear_fault <= regs_out.fault.clear.value;
+  else generate
+    core_awvalid <= write_valid;
+    awready <= core_awready;
+    core_wvalid <= s_axi_wvalid;
+    s_axi_wready <= core_wready;
+    s_axi_bresp <= core_bresp;
+    bvalid <= core_bvalid;
+    core_bready <= s_axi_bready;
+    core_arvalid <= s_axi_arvalid;
+    s_axi_arready <= core_arready;
+    s_axi_rdata <= core_rdata;
+    s_axi_rresp <= core_rresp;
+    s_axi_rvalid <= core_rvalid;
+    core_rready <= s_axi_rready;
+    settings.motion <= no_motion_settings_c;
+    command.move <= '0';
+    fetch <= no_fetch_c;
+    -- Of a fault that cannot come nothing is kept.
+    command.clear_fault <= regs_out.fault.clear.value and not following_only_c;
+  end generate g_motion;
 
   -- Writes, one at a time
 
@@ -199,6 +295,7 @@ begin
 
   -- Identity
 
+  regs_in.encoder_geometry.motion.next_q <= '1' when motion_g else '0';
   regs_in.geometry.inputs.next_q <= std_ulogic_vector(to_unsigned(inputs_c, 8));
   regs_in.geometry.hidden.next_q <= std_ulogic_vector(to_unsigned(hidden_c, 8));
   regs_in.geometry.outputs.next_q <= std_ulogic_vector(to_unsigned(axes_c, 8));
@@ -216,7 +313,6 @@ begin
   command.start <= regs_out.command.start.value;
   command.kick <= regs_out.command.kick.value;
   command.clear_encoder <= regs_out.command.clear_encoder.value;
-  command.clear_fault <= regs_out.fault.clear.value;
 
   -- What is written to fault is one pulse, too.
   regs_in.fault.clear.hwclr <= '1';
@@ -245,6 +341,7 @@ begin
   settings.load <= no_load_c;
   settings.parity <= (others => '0');
   settings.once_parity <= '0';
+  settings.fetch <= fetch;
   settings.enable <= regs_out.control.enable.value;
   settings.tick_enable <= regs_out.control.tick_enable.value;
   settings.home <= axes_of(regs_out.control.home_enable.value);
@@ -287,6 +384,9 @@ begin
         if write_valid = '1' and awready = '1' then
           writing_setting <= '0';
           if s_axi_awaddr(settings_block_c'range) = settings_block_c and s_axi_awaddr /= command_register_c then
+            writing_setting <= '1';
+          end if;
+          if motion_g and s_axi_awaddr(motion_block_c'range) = motion_block_c then
             writing_setting <= '1';
           end if;
         end if;
@@ -378,6 +478,7 @@ begin
   regs_in.fault.clock.next_q <= in_state.fault(cause_clock_c);
   regs_in.fault.core.next_q <= in_state.fault(cause_core_c);
   regs_in.fault.upset.next_q <= in_state.fault(cause_upset_c);
+  regs_in.fault.following.next_q <= in_state.fault(cause_following_c);
 
   regs_in.guards.feedback.next_q <= field_of(in_state.feedback);
   regs_in.guards.core_clock.next_q <= in_alive;

@@ -1,11 +1,12 @@
 -- SPDX-License-Identifier: MIT
 --
--- The core's side of gc_system, all in one clock: tick, gc_force_path, drive and safety.
+-- The core's side of gc_system, all in one clock: tick, gc_force_path, gc_motion if wanted, drive and safety.
 --
 -- One inference at a time: a tick or a start that finds one under way is not taken; a tick is then counted as missed.
 -- State tells of results only whole ones: position and speed are those
 -- of the clock that started the inference, shown together with its forces.
--- Latency from start to drive_current: those of gc_force_path and gc_drive; to the state 1 clock after gc_force_path.
+-- Latency from start to drive_current: those of gc_force_path, gc_motion and gc_drive; to the state 1 clock after
+-- gc_force_path.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -31,7 +32,10 @@ entity gc_core_side is
     two_paths_g       : boolean;
     brake_feedback_g  : boolean;
     brake_test_g      : boolean;
-    guard_g           : boolean
+    guard_g           : boolean;
+    -- Whether there is gc_motion, and words of its recorder's ring, as a power of two.
+    motion_g          : boolean;
+    record_bits_g     : positive
   );
   port (
     clk           : in    std_ulogic;
@@ -46,6 +50,9 @@ entity gc_core_side is
     estop_n       : in    std_ulogic;
     -- Read-back of the brakes, asynchronous; '1': fed, released. Only with brake_feedback_g.
     brake_fed     : in    std_ulogic_vector(axes_c - 1 downto 0);
+    -- One clock per measured current, and the currents, uA, axis 1 lowest. Only with motion_g.
+    sense_valid   : in    std_ulogic_vector(axes_c - 1 downto 0);
+    sense_current : in    signed(axes_c * current_bits_c - 1 downto 0);
     -- The host's clock stands, or this one stood.
     in_clock_bad  : in    std_ulogic;
     -- What this puts out is not what its copy does.
@@ -114,6 +121,11 @@ architecture rtl of gc_core_side is
   signal result_force  : signed(axes_c * 32 - 1 downto 0);
   signal number        : unsigned(31 downto 0) := (others => '0');
 
+  signal asked_valid   : std_ulogic;
+  signal asked_current : signed(axes_c * current_bits_c - 1 downto 0);
+  signal astray        : axes_t;
+  signal motion_busy   : std_ulogic;
+
   signal run          : std_ulogic;
   signal released     : axes_t;
   signal engaged      : axes_t;
@@ -170,7 +182,7 @@ begin
       sts_missed => missed
     );
 
-  idle <= top_ready and not busy;
+  idle <= top_ready and not busy and not motion_busy;
   begins <= (tick or start) and idle;
 
   i_force_path : entity work.gc_force_path
@@ -253,13 +265,66 @@ begin
   -- Every force comes from all counts.
   clipped <= (others => '1') when clamped /= (clamped'range => '0') else saturated;
 
+  g_motion : if motion_g generate
+    signal released_all : std_ulogic;
+    signal any_fault    : std_ulogic;
+    signal ticks        : unsigned(31 downto 0);
+    signal status       : std_ulogic_vector(29 downto 0);
+    signal move         : std_ulogic;
+  begin
+    released_all <= '1' when safety_state = state_run_c else '0';
+    any_fault <= '1' when fault /= no_causes_c else '0';
+    ticks <= number + missed;
+    status <= std_ulogic_vector(resize(unsigned(fault), 26)) & run & safety_state;
+    move <= in_settings.commands.move and in_valid;
+
+    i_motion : entity work.gc_motion
+      generic map (
+        record_bits_g => record_bits_g
+      )
+      port map (
+        clk           => clk,
+        rst           => rst,
+        run           => run,
+        released      => released_all,
+        in_settings   => in_settings.motion,
+        in_move       => move,
+        in_fetch      => in_settings.fetch,
+        in_begins     => begins,
+        in_count      => count,
+        in_valid      => path_valid,
+        in_current    => current,
+        in_position   => result_count,
+        in_period     => result_period,
+        in_force      => result_force,
+        in_command    => command,
+        in_tick       => ticks,
+        in_status     => status,
+        in_fault      => any_fault,
+        sense_valid   => sense_valid,
+        sense_current => sense_current,
+        out_valid     => asked_valid,
+        out_current   => asked_current,
+        out_astray    => astray,
+        out_busy      => motion_busy,
+        out_state     => out_state.motion
+      );
+
+  else generate
+    asked_valid <= path_valid;
+    asked_current <= current;
+    astray <= (others => '0');
+    motion_busy <= '0';
+    out_state.motion <= no_motion_state_c;
+  end generate g_motion;
+
   i_drive : entity work.gc_drive
     port map (
       clk          => clk,
       rst          => rst,
       run          => run,
-      in_valid     => path_valid,
-      in_current   => current,
+      in_valid     => asked_valid,
+      in_current   => asked_current,
       in_clipped   => clipped,
       cfg_limit    => current_limit,
       cfg_slew     => current_slew,
@@ -318,6 +383,7 @@ begin
       in_clock_bad          => in_clock_bad,
       in_core_bad           => in_core_bad,
       in_upset              => setting_bad,
+      in_astray             => astray,
       brake_fed             => brake_fed,
       cfg_count_low         => window_low,
       cfg_count_high        => window_high,

@@ -28,7 +28,9 @@ entity gc_core_twin is
     two_paths_g       : boolean;
     brake_feedback_g  : boolean;
     brake_test_g      : boolean;
-    guard_g           : boolean
+    guard_g           : boolean;
+    motion_g          : boolean;
+    record_bits_g     : positive
   );
   port (
     clk           : in    std_ulogic;
@@ -115,7 +117,9 @@ begin
       two_paths_g       => two_paths_g,
       brake_feedback_g  => brake_feedback_g,
       brake_test_g      => brake_test_g,
-      guard_g           => guard_g
+      guard_g           => guard_g,
+      motion_g          => motion_g,
+      record_bits_g     => record_bits_g
     )
     port map (
       clk           => clk,
@@ -126,6 +130,9 @@ begin
       pin_error     => error_1,
       estop_n       => estop_n_1,
       brake_fed     => fed_1,
+      -- Nobody reads its records.
+      sense_valid   => (others => '0'),
+      sense_current => (others => '0'),
       in_clock_bad  => clock_bad_1,
       in_core_bad   => core_bad_1,
       in_valid      => valid_1,

@@ -43,7 +43,11 @@ entity gc_system is
     guard_g           : boolean := true;
     -- Whether there is a second core, see gc_core_twin, without which nothing moves; it takes twice the area. Pins then
     -- come two clocks later.
-    twin_g            : boolean := false
+    twin_g            : boolean := false;
+    -- Whether setpoints, servo and recorder are there (gc_motion), with their registers, and words of the recorder's
+    -- ring, as a power of two.
+    motion_g          : boolean := false;
+    record_bits_g     : positive := 10
   );
   port (
     s_axi_aclk    : in    std_ulogic;
@@ -88,7 +92,10 @@ entity gc_system is
     -- '1' engages the brake of the axis: the other path.
     brake_engage  : out   std_ulogic_vector(axes_c - 1 downto 0);
     -- Read-back per brake, asynchronous; '1': the brake is fed, it is released. Only with brake_feedback_g.
-    brake_fed     : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0')
+    brake_fed     : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
+    -- Measured currents, uA, axis 1 lowest, with one clock of sense_valid per new one of the axis. Only with motion_g.
+    sense_valid   : in    std_ulogic_vector(axes_c - 1 downto 0) := (others => '0');
+    sense_current : in    signed(axes_c * current_bits_c - 1 downto 0) := (others => '0')
   );
 end entity gc_system;
 
@@ -157,7 +164,9 @@ begin
       clock_hz_g       => clock_hz_g,
       filter_samples_g => filter_samples_g,
       loadable_g       => loadable_g,
-      guard_g          => guard_g
+      guard_g          => guard_g,
+      motion_g         => motion_g,
+      record_bits_g    => record_bits_g
     )
     port map (
       clk           => s_axi_aclk,
@@ -226,7 +235,9 @@ begin
       two_paths_g       => two_paths_g,
       brake_feedback_g  => brake_feedback_g,
       brake_test_g      => brake_test_g,
-      guard_g           => guard_g
+      guard_g           => guard_g,
+      motion_g          => motion_g,
+      record_bits_g     => record_bits_g
     )
     port map (
       clk           => clk,
@@ -237,6 +248,8 @@ begin
       pin_error     => core_error,
       estop_n       => core_estop_n,
       brake_fed     => core_fed,
+      sense_valid   => sense_valid,
+      sense_current => sense_current,
       in_clock_bad  => bus_lost,
       in_core_bad   => core_differs,
       in_valid      => settings_valid,
@@ -279,7 +292,9 @@ begin
         two_paths_g       => two_paths_g,
         brake_feedback_g  => brake_feedback_g,
         brake_test_g      => brake_test_g,
-        guard_g           => guard_g
+        guard_g           => guard_g,
+        motion_g          => motion_g,
+        record_bits_g     => record_bits_g
       )
       port map (
         clk           => clk,

@@ -46,20 +46,70 @@ package gc_system_pkg is
     kick          : std_ulogic;
     clear_encoder : std_ulogic;
     clear_fault   : causes_t;
+    move          : std_ulogic;
   end record commands_t;
 
-  constant no_commands_c : commands_t := ('0', '0', '0', no_causes_c);
+  constant no_commands_c : commands_t := ('0', '0', '0', no_causes_c, '0');
+
+  -- What gc_motion has of the registers of the same names; all zero where it is not there.
+
+  type motion_settings_t is record
+    move_ticks       : word_t;
+    filter           : std_ulogic_vector(3 downto 0);
+    record_mode      : std_ulogic_vector(1 downto 0);
+    record_mean      : std_ulogic;
+    record_ticks     : std_ulogic_vector(3 downto 0);
+    record_before    : std_ulogic_vector(15 downto 0);
+    record_taken     : word_t;
+    target           : axis_words_t;
+    speed_max        : axis_words_t;
+    acceleration_max : axis_words_t;
+    proportional     : axis_words_t;
+    integral         : axis_words_t;
+    derivative       : axis_words_t;
+    servo_limit      : axis_magnitudes_t;
+    following_max    : axis_words_t;
+  end record motion_settings_t;
+
+  constant no_motion_settings_c : motion_settings_t :=
+  (
+    move_ticks       => (others => '0'),
+    filter           => (others => '0'),
+    record_mode      => (others => '0'),
+    record_mean      => '0',
+    record_ticks     => (others => '0'),
+    record_before    => (others => '0'),
+    record_taken     => (others => '0'),
+    target           => (others => (others => '0')),
+    speed_max        => (others => (others => '0')),
+    acceleration_max => (others => (others => '0')),
+    proportional     => (others => (others => '0')),
+    integral         => (others => (others => '0')),
+    derivative       => (others => (others => '0')),
+    servo_limit      => (others => (others => '0')),
+    following_max    => (others => (others => '0'))
+  );
+
+  -- A word of the oldest record that the host asks for, as often as turn changes.
+
+  type fetch_t is record
+    turn    : std_ulogic;
+    address : std_ulogic_vector(5 downto 0);
+  end record fetch_t;
+
+  constant no_fetch_c : fetch_t := ('0', (others => '0'));
 
   -- Bits of settings_t that stay as the host wrote them, in words with a bit of parity each.
-  constant held_bits_c  : positive := 2 + axes_c + 9 * 32 + (4 * 32 + 4 * 31) * axes_c;
-  constant held_words_c : positive := (held_bits_c + 31) / 32;
+  constant motion_bits_c : positive := 2 * 32 + 27 + (7 * 32 + 31) * axes_c;
+  constant held_bits_c   : positive := 2 + axes_c + 9 * 32 + (4 * 32 + 4 * 31) * axes_c + motion_bits_c;
+  constant held_words_c  : positive := (held_bits_c + 31) / 32;
 
   subtype held_t is std_ulogic_vector(32 * held_words_c - 1 downto 0);
 
   subtype parity_t is std_ulogic_vector(held_words_c - 1 downto 0);
 
   -- Bits of commands_t and load_t.
-  constant once_bits_c : positive := 3 + causes_c + 32 + 4;
+  constant once_bits_c : positive := 4 + causes_c + 32 + 4;
 
   subtype once_t is std_ulogic_vector(once_bits_c - 1 downto 0);
 
@@ -84,14 +134,51 @@ package gc_system_pkg is
     current_slew      : axis_magnitudes_t;
     command_bound     : axis_magnitudes_t;
     period_min        : axis_magnitudes_t;
+    motion            : motion_settings_t;
     commands          : commands_t;
     load              : load_t;
     -- Of held(settings), word by word; of once(commands, load).
     parity            : parity_t;
     once_parity       : std_ulogic;
+    -- Nothing depends on it but what the host reads.
+    fetch             : fetch_t;
   end record settings_t;
 
   -- Fields as the registers of the same names.
+
+  type motion_state_t is record
+    moves        : std_ulogic_vector(7 downto 0);
+    ready        : std_ulogic;
+    refused      : std_ulogic;
+    following    : axes_t;
+    setpoint     : axis_words_t;
+    correction   : axis_words_t;
+    record_mode  : std_ulogic_vector(1 downto 0);
+    triggered    : std_ulogic;
+    done         : std_ulogic;
+    record_count : word_t;
+    record_lost  : word_t;
+    -- The turn of the fetch that word answers.
+    fetched      : std_ulogic;
+    word         : word_t;
+  end record motion_state_t;
+
+  constant no_motion_state_c : motion_state_t :=
+  (
+    moves        => (others => '0'),
+    ready        => '0',
+    refused      => '0',
+    following    => (others => '0'),
+    setpoint     => (others => (others => '0')),
+    correction   => (others => (others => '0')),
+    record_mode  => (others => '0'),
+    triggered    => '0',
+    done         => '0',
+    record_count => (others => '0'),
+    record_lost  => (others => '0'),
+    fetched      => '0',
+    word         => (others => '0')
+  );
 
   type state_t is record
     number         : word_t;
@@ -129,17 +216,25 @@ package gc_system_pkg is
     load_waiting   : std_ulogic;
     bank           : std_ulogic_vector(1 downto 0);
     bank_crc       : word_t;
+    motion         : motion_state_t;
   end record state_t;
 
   -- The sums of the bits of all fields.
 
   subtype settings_word_t is std_ulogic_vector(
-    held_bits_c + once_bits_c + held_words_c + 1 - 1 downto 0
+    held_bits_c + once_bits_c + held_words_c + 1 + 7 - 1 downto 0
   );
 
-  subtype state_word_t is std_ulogic_vector(
-    3 * 32 + safety_state_t'length + 8 + 8 + 13 * axes_c + 7 * 32 * axes_c + 3 * causes_c - 1 downto 0
-  );
+  -- That of motion stands above that of the core: turned by itself, a word costs less.
+  constant core_state_bits_c   : positive := 3 * 32 + safety_state_t'length + 8 + 8 + 13 * axes_c + 7 * 32 * axes_c
+                                             + 3 * causes_c;
+  constant motion_state_bits_c : positive := 3 * 32 + 15 + (1 + 2 * 32) * axes_c;
+
+  subtype core_state_word_t is std_ulogic_vector(core_state_bits_c - 1 downto 0);
+
+  subtype motion_state_word_t is std_ulogic_vector(motion_state_bits_c - 1 downto 0);
+
+  subtype state_word_t is std_ulogic_vector(core_state_bits_c + motion_state_bits_c - 1 downto 0);
 
   -- Whether it loads anything.
 
@@ -291,11 +386,58 @@ package body gc_system_pkg is
     exchange(word, commands.kick);
     exchange(word, commands.clear_encoder);
     exchange(word, commands.clear_fault);
+    exchange(word, commands.move);
     exchange(word, load.word);
     exchange(word, load.is_word);
     exchange(word, load.begin_image);
     exchange(word, load.commit);
     exchange(word, load.use_rom);
+
+  end procedure exchange;
+
+  procedure exchange (
+    variable word   : inout std_ulogic_vector;
+    variable motion : inout motion_settings_t
+  ) is
+  begin
+
+    exchange(word, motion.move_ticks);
+    exchange(word, motion.filter);
+    exchange(word, motion.record_mode);
+    exchange(word, motion.record_mean);
+    exchange(word, motion.record_ticks);
+    exchange(word, motion.record_before);
+    exchange(word, motion.record_taken);
+    exchange(word, motion.target);
+    exchange(word, motion.speed_max);
+    exchange(word, motion.acceleration_max);
+    exchange(word, motion.proportional);
+    exchange(word, motion.integral);
+    exchange(word, motion.derivative);
+    exchange(word, motion.servo_limit);
+    exchange(word, motion.following_max);
+
+  end procedure exchange;
+
+  procedure exchange (
+    variable word   : inout std_ulogic_vector;
+    variable motion : inout motion_state_t
+  ) is
+  begin
+
+    exchange(word, motion.moves);
+    exchange(word, motion.ready);
+    exchange(word, motion.refused);
+    exchange(word, motion.following);
+    exchange(word, motion.setpoint);
+    exchange(word, motion.correction);
+    exchange(word, motion.record_mode);
+    exchange(word, motion.triggered);
+    exchange(word, motion.done);
+    exchange(word, motion.record_count);
+    exchange(word, motion.record_lost);
+    exchange(word, motion.fetched);
+    exchange(word, motion.word);
 
   end procedure exchange;
 
@@ -325,9 +467,12 @@ package body gc_system_pkg is
     exchange(word, settings.current_slew);
     exchange(word, settings.command_bound);
     exchange(word, settings.period_min);
+    exchange(word, settings.motion);
     exchange(word, settings.commands, settings.load);
     exchange(word, settings.parity);
     exchange(word, settings.once_parity);
+    exchange(word, settings.fetch.turn);
+    exchange(word, settings.fetch.address);
 
   end procedure exchange;
 
@@ -397,6 +542,7 @@ package body gc_system_pkg is
     either_v.kick := left.kick or right.kick;
     either_v.clear_encoder := left.clear_encoder or right.clear_encoder;
     either_v.clear_fault := left.clear_fault or right.clear_fault;
+    either_v.move := left.move or right.move;
 
     return either_v;
 
@@ -453,14 +599,17 @@ package body gc_system_pkg is
     state : state_t
   ) return state_word_t is
 
-    variable state_v : state_t      := state;
-    variable word_v  : state_word_t := (others => '0');
+    variable state_v  : state_t             := state;
+    variable word_v   : core_state_word_t   := (others => '0');
+    variable motion_v : motion_state_t      := state.motion;
+    variable moving_v : motion_state_word_t := (others => '0');
 
   begin
 
     exchange(word_v, state_v);
+    exchange(moving_v, motion_v);
 
-    return word_v;
+    return moving_v & word_v;
 
   end function to_word;
 
@@ -483,12 +632,23 @@ package body gc_system_pkg is
     word : state_word_t
   ) return state_t is
 
-    variable state_v : state_t;
-    variable word_v  : state_word_t := word;
+    variable state_v  : state_t;
+    variable word_v   : core_state_word_t   := word(core_state_bits_c - 1 downto 0);
+    variable motion_v : motion_state_t;
+    variable moving_v : motion_state_word_t := (others => '0');
 
   begin
 
+    -- Bit by bit: as an initial value GHDL 2.0.0 takes a slice with its own indices.
+    for i in moving_v'range loop
+
+      moving_v(i) := word(core_state_bits_c + i);
+
+    end loop;
+
     exchange(word_v, state_v);
+    exchange(moving_v, motion_v);
+    state_v.motion := motion_v;
 
     return state_v;
 

@@ -8,6 +8,9 @@ MAX_AXES = 8
 LOAD_KEY = 0x4B455953
 WORDS_PER_KICK = 64
 
+# Words of records that can be read at once, from record_word on.
+RECORD_WINDOW = 64
+
 
 class State(IntEnum):
     """States of the brakes."""
@@ -38,6 +41,7 @@ class Cause(IntEnum):
     CLOCK = 13
     CORE = 14
     UPSET = 15
+    FOLLOWING = 16
 
     @property
     def mask(self) -> int:

@@ -15,7 +15,7 @@ module safety #(
     input rst,
     input estop_n,
     input enable,
-    input [15:0] clear,
+    input [16:0] clear,
     input kick,
     input [95:0] in_count,
     input [95:0] in_period,
@@ -31,6 +31,7 @@ module safety #(
     input in_clock_bad,
     input in_core_bad,
     input in_upset,
+    input [2:0] in_astray,
     input [95:0] cfg_count_low,
     input [95:0] cfg_count_high,
     input [92:0] cfg_period_min,
@@ -44,7 +45,7 @@ module safety #(
 
   wire run;
   wire [2:0] brake_release, brake_engage, state;
-  wire [15:0] present, fault, first_cause;
+  wire [16:0] present, fault, first_cause;
   wire [95:0] first_count;
   wire [7:0] events;
 
@@ -53,7 +54,7 @@ module safety #(
       .in_period(in_period), .in_referenced(in_referenced), .in_illegal(in_illegal), .in_result(in_result),
       .in_clamped(in_clamped), .in_saturated(in_saturated), .in_reached(in_reached), .in_deviates(in_deviates),
       .in_crc_bad(in_crc_bad), .in_rom_bad(in_rom_bad), .in_clock_bad(in_clock_bad), .in_core_bad(in_core_bad),
-      .in_upset(in_upset), .brake_fed(3'b0), .cfg_count_low(cfg_count_low), .cfg_count_high(cfg_count_high),
+      .in_upset(in_upset), .in_astray(in_astray), .brake_fed(3'b0), .cfg_count_low(cfg_count_low), .cfg_count_high(cfg_count_high),
       .cfg_period_min(cfg_period_min), .cfg_saturation_clocks(cfg_saturation_clocks),
       .cfg_watchdog_clocks(cfg_watchdog_clocks), .cfg_result_clocks(cfg_result_clocks),
       .cfg_command_clocks(cfg_command_clocks), .cfg_hold_clocks(cfg_hold_clocks),
@@ -66,9 +67,9 @@ module safety #(
   // The last clocks; enable counts as high before power-up.
   reg rst_1 = 1, upset_1 = 0, run_1 = 0, enable_1 = 1, enable_2 = 1;
   reg [1:3] estop_n_then = 0;
-  reg [1:2] illegal_then = 0, unreferenced_then = 0;
+  reg [1:2] illegal_then = 0, unreferenced_then = 0, astray_then = 0;
   reg [2:0] state_1 = BRAKED, brake_release_1 = 0;
-  reg [15:0] clear_1 = 0, present_1 = 0, fault_1 = 0, first_cause_1 = 0;
+  reg [16:0] clear_1 = 0, present_1 = 0, fault_1 = 0, first_cause_1 = 0;
   reg [95:0] first_count_1;
   reg [7:0] events_1 = 0;
 
@@ -117,6 +118,7 @@ module safety #(
     estop_n_then <= {estop_n, estop_n_then[1:2]};
     illegal_then <= {|in_illegal, illegal_then[1]};
     unreferenced_then <= {!(&in_referenced), unreferenced_then[1]};
+    astray_then <= {|in_astray, astray_then[1]};
     state_1 <= state;
     brake_release_1 <= brake_release;
     present_1 <= present;
@@ -140,6 +142,7 @@ module safety #(
     emergency_stop_engages_the_brakes : assert (estop_n_then[3] || !brake_release && !run);
     lost_counts_engage_the_brakes : assert (!illegal_then[2] || !brake_release && !run);
     lost_reference_engages_the_brakes : assert (!unreferenced_then[2] || !brake_release && !run);
+    following_error_engages_the_brakes : assert (!astray_then[2] || !brake_release && !run);
     causes_engage_the_brakes : assert (!present_1 || !brake_release && !run);
     speed_is_held_against_every_limit : assert (present[SPEED] == |speeding_1);
     motion_starts_by_an_edge_while_healthy :

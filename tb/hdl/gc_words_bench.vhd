@@ -86,7 +86,8 @@ architecture sim of gc_words_bench is
     start         => '1',
     kick          => '0',
     clear_encoder => '1',
-    clear_fault   => value(1, causes_c)
+    clear_fault   => value(1, causes_c),
+    move          => '1'
   );
 
   constant load_c : load_t :=
@@ -96,6 +97,42 @@ architecture sim of gc_words_bench is
     begin_image => '0',
     commit      => '1',
     use_rom     => '0'
+  );
+
+  constant motion_settings_c : motion_settings_t :=
+  (
+    move_ticks       => value(62, 32),
+    filter           => value(63, 4),
+    record_mode      => value(64, 2),
+    record_mean      => '1',
+    record_ticks     => value(65, 4),
+    record_before    => value(66, 16),
+    record_taken     => value(67, 32),
+    target           => axis_values(68),
+    speed_max        => axis_values(69),
+    acceleration_max => axis_values(70),
+    proportional     => axis_values(71),
+    integral         => axis_values(72),
+    derivative       => axis_values(73),
+    servo_limit      => axis_magnitudes(74),
+    following_max    => axis_values(75)
+  );
+
+  constant motion_state_c : motion_state_t :=
+  (
+    moves        => value(76, 8),
+    ready        => '1',
+    refused      => '0',
+    following    => value(77, axes_c),
+    setpoint     => axis_values(78),
+    correction   => axis_values(79),
+    record_mode  => value(80, 2),
+    triggered    => '1',
+    done         => '0',
+    record_count => value(81, 32),
+    record_lost  => value(82, 32),
+    fetched      => '1',
+    word         => value(83, 32)
   );
 
   constant settings_c : settings_t :=
@@ -120,10 +157,12 @@ architecture sim of gc_words_bench is
     current_slew      => axis_magnitudes(5),
     command_bound     => axis_magnitudes(6),
     period_min        => axis_magnitudes(14),
+    motion            => motion_settings_c,
     commands          => commands_c,
     load              => load_c,
     parity            => value(18, held_words_c),
-    once_parity       => '1'
+    once_parity       => '1',
+    fetch             => ('1', value(84, 6))
   );
 
   constant state_c : state_t :=
@@ -162,7 +201,8 @@ architecture sim of gc_words_bench is
     load_bad       => '1',
     load_waiting   => '0',
     bank           => "10",
-    bank_crc       => value(32, 32)
+    bank_crc       => value(32, 32),
+    motion         => motion_state_c
   );
 
   function flipped (

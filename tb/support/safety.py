@@ -16,7 +16,7 @@ PERIOD_BITS = 32
 WIDTHS = {name: COUNT_BITS for name in ("in_count", "cfg_count_low", "cfg_count_high")} | {
     "in_period": PERIOD_BITS,
     "cfg_period_min": PERIOD_BITS - 1,
-    **{name: 1 for name in ("in_referenced", "in_illegal", "in_clamped", "in_saturated", "in_reached", "in_deviates")},
+    **{f"in_{name}": 1 for name in ("referenced", "illegal", "clamped", "saturated", "reached", "deviates", "astray")},
 }
 STILL = 2**31 - 1  # speed_period at standstill
 SHORTEST = 8  # speed_period at the limit speed of the decoder
@@ -44,7 +44,7 @@ def quiet_inputs(n_clocks: int) -> dict[str, np.ndarray]:
     names = ("rst", "enable", "clear", "in_crc_bad", "in_rom_bad", "in_clock_bad", "in_core_bad", "in_upset")
     inputs = {name: zero for name in (*names, "cfg_test_clocks")}
     inputs |= {"estop_n": zero + 1, "kick": pulses, "in_result": pulses}
-    names = ("in_illegal", "in_clamped", "in_saturated", "in_deviates", "brake_fails")
+    names = ("in_illegal", "in_clamped", "in_saturated", "in_deviates", "in_astray", "brake_fails")
     inputs |= {name: axes_zero for name in names}
     inputs |= {"in_referenced": axes_zero + 1, "in_reached": axes_zero + 1, "in_period": axes_zero + STILL}
     low, high = position_window()
@@ -85,6 +85,7 @@ def present_it(inputs: dict[str, np.ndarray], cause: Cause, clocks: slice, axis:
         Cause.CLOCK: ("in_clock_bad", 1),
         Cause.CORE: ("in_core_bad", 1),
         Cause.UPSET: ("in_upset", 1),
+        Cause.FOLLOWING: ("in_astray", 1),
     }[cause]
     inputs[name][(clocks, axis) if inputs[name].ndim == 2 else clocks] = value
 

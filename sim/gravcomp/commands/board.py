@@ -1,8 +1,8 @@
 """Find, check and drive a core behind a serial port: gc_serial_system on a board.
 
 Baud, parity and unit are those that the core was built with. A frame without an answer is sent again. Whatever ends
-`hold`, the brakes are engaged then: Ctrl-C, a fault, and a line that is cut, because the core's watchdog is kicked
-through it.
+`hold`, `move` and `record`, the brakes are engaged then: Ctrl-C, a fault, and a line that is cut, because the core's
+watchdog is kicked through it.
 """
 
 import argparse
@@ -15,13 +15,12 @@ VERBS = {
     "info": "what the core is, and its state",
     "home": "arm homing, and say which axes were moved over their index by hand",
     "hold": "release the brakes and hold until Ctrl-C",
-    "move": "move to a pose: needs gc_servo",
-    "record": "record a log: needs gc_recorder",
+    "move": "release the brakes, move to poses under the core's servo, hold at each; with --out what was measured",
+    "record": "release the brakes, hold under the core's servo, and write what was measured",
     "load": "bring the constants of another machine folder into use",
     "watch": "positions, forces, currents and state, until Ctrl-C",
     "selftest": "check line, registers, clocks and results, with the brakes engaged",
 }
-LATER = {"move": "gc_servo", "record": "gc_recorder"}
 
 
 def add_arguments(parser):
@@ -34,7 +33,7 @@ def add_arguments(parser):
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
     for name, text in VERBS.items():
         verb = verbs.add_parser(name, parents=[line], help=text, description=text)
-        if name in ("home", "hold"):
+        if name in ("home", "hold", "move", "record"):
             verb.add_argument("--robot", type=Path, required=True, help="machine folder that the core was built with")
             verb.add_argument(
                 "--limits", type=Path, required=True, help="TOML file of limits, see docs/guide/serial.md"
@@ -46,15 +45,26 @@ def add_arguments(parser):
             verb.add_argument("--robot", type=Path, required=True, help="machine folder that the core was built with")
         if name in ("hold", "watch"):
             verb.add_argument("--seconds", type=float, help="end after so long (default: at Ctrl-C)")
+        if name in ("move", "record"):
+            _add_motion(verb, name)
+
+
+def _add_motion(verb, name: str) -> None:
+    if name == "move":
+        verb.add_argument("--to", type=float, nargs="+", action="append", required=True, metavar="Q",
+                          help="a pose, m or rad per axis; once for each pose")  # fmt: skip
+        verb.add_argument("--hold", type=float, default=1.0, help="seconds at each pose (default %(default)s)")
+    text = "of each move, longer where a limit needs it" if name == "move" else "to record for"
+    verb.add_argument("--seconds", type=float, default=2.0, help=f"seconds {text} (default %(default)s)")
+    verb.add_argument("--out", type=Path, required=name == "record", help="measured CSV to write")
+    verb.add_argument("--commanded", action="store_true",
+                      help="commanded currents for measured ones, of drives that tell none")  # fmt: skip
 
 
 def run(arguments):
     from gravcomp.driver.board import Board
     from gravcomp.driver.serial_bus import Line
 
-    if arguments.verb in LATER:
-        raise InputError(f"{arguments.verb}: needs {LATER[arguments.verb]}, which this version of the core has not; "
-                         "hold and watch are there")  # fmt: skip
     _check(arguments)
     line = Line(arguments.port, arguments.baud, arguments.parity, arguments.unit, arguments.timeout)
     with Board(line) as board:
@@ -78,6 +88,8 @@ def _check(arguments) -> None:
     seconds = getattr(arguments, "seconds", None)
     if seconds is not None and not seconds > 0:
         raise InputError(f"--seconds {seconds:g}: need more than 0")
+    if not getattr(arguments, "hold", 0.0) >= 0:
+        raise InputError(f"--hold {arguments.hold:g}: need 0 or more")
 
 
 def _info(board, arguments) -> None:
@@ -112,6 +124,66 @@ def _hold(board, arguments) -> None:
     from gravcomp.driver.board import load_limits
 
     _show(board.hold(load_limits(arguments.limits, arguments.robot)), arguments)
+
+
+def _move(board, arguments) -> None:
+    _go(board, arguments, arguments.to, arguments.seconds, arguments.hold)
+
+
+def _record(board, arguments) -> None:
+    _go(board, arguments, [], 0.0, arguments.seconds)
+
+
+def _go(board, arguments, poses: list[list[float]], move_s: float, hold_s: float) -> None:
+    from gravcomp.driver.board import load_limits
+    from gravcomp.driver.moving import Mover, load_motion
+
+    limits = load_limits(arguments.limits, arguments.robot)
+    mover = Mover(board, limits, load_motion(arguments.limits, arguments.robot))
+    targets = [_counts(pose, arguments.robot) for pose in poses]
+    try:
+        for state in mover.go(targets, move_s, hold_s):
+            _progress(state, _units(arguments))
+    finally:
+        print(file=sys.stderr)
+        if arguments.out:
+            _write_records(mover, arguments)
+
+
+def _counts(pose: list[float], folder: Path) -> tuple[int, ...]:
+    """Counts of a pose in m or rad."""
+    import numpy as np
+
+    from gravcomp.robot.machine import load_machine
+
+    machine = load_machine(folder)
+    if len(pose) != machine.n_axes or not np.isfinite(pose).all():
+        raise InputError(f"--to {' '.join(f'{q:g}' for q in pose)}: need a number for each of {machine.n_axes} axes")
+    return tuple(machine.drive.counts(np.array(pose)).tolist())
+
+
+def _progress(state, units) -> None:
+    """Positions on one line of the terminal, over and over."""
+    places = "  ".join(f"{n * k:.6g} {unit}" for n, (k, unit, _) in zip(state.position_now, units, strict=True))
+    print(f"\r{places}\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+def _write_records(mover, arguments) -> None:
+    """The measured CSV of what was taken, also when it ended early."""
+    from dataclasses import replace
+
+    from gravcomp.files import write_atomically
+    from gravcomp.logs.records import measured_csv
+    from gravcomp.robot.machine import load_machine
+
+    records = mover.records()
+    if not len(records.tick):
+        return
+    if arguments.commanded:
+        records = replace(records, sense=records.command, is_stale=records.is_stale & False)
+    write_atomically(arguments.out, measured_csv(records, load_machine(arguments.robot), mover.tick_s))
+    lost = f", {mover.lost} more found no room" if mover.lost else ""
+    print(f"{arguments.out}: {len(records.tick)} records{lost}")
 
 
 def _watch(board, arguments) -> None:

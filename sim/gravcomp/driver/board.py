@@ -281,15 +281,12 @@ def load_limits(path: Path, folder: Path | str) -> Settings:
     """The Settings in a TOML file of limits, for the core of a machine folder, which tells the rest.
 
     Keys are the fields of Settings but axes, clock_hz, expected_weights and index_period; what each axis has of its own
-    is one number for all or one per axis in brackets. Raises InputError for a key that is missing, unknown, or no whole
-    number in its range, and as load_machine does.
+    is one number for all or one per axis in brackets. A table [motion] is that of gravcomp.driver.moving. Raises
+    InputError for a key that is missing, unknown, or no whole number in its range, and as load_machine does.
     """
     machine = machine_settings(folder) | {"index_period": tuple(a.index_period for a in load_machine(folder).axes)}
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path}: cannot be read ({reason}); give a TOML file of limits") from None
+    table = read_limits(path)
+    table.pop("motion", None)
     asked = [field for field in fields(Settings) if field.name not in machine]
     names = {field.name for field in asked}
     if unknown := sorted(set(table) - names):
@@ -302,6 +299,15 @@ def load_limits(path: Path, folder: Path | str) -> Settings:
         elif field.name != "brake_test_us":
             raise InputError(f"{path}: {field.name} is missing; add it")
     return Settings(**values, **machine)
+
+
+def read_limits(path: Path) -> dict:
+    """The tables of a TOML file of limits. Raises InputError when it cannot be read."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{path}: cannot be read ({reason}); give a TOML file of limits") from None
 
 
 def _limit(path: Path, name: str, value, n_axes: int | None) -> int | tuple[int, ...]:

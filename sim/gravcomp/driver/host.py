@@ -36,8 +36,9 @@ class Bus(Protocol):
 
 
 class Result(IntEnum):
-    """Outcome of a call. FAULT: stopped by a fault, see State.fault. REFUSED: an image of a wrong length or CRC.
+    """Outcome of a call. FAULT: stopped by a fault, see State.fault.
 
+    REFUSED: an image of a wrong length or CRC; a move.
     TOO_FAST: Settings.speed_max_counts_per_s is more than the core can measure with its encoder filter. BAD_PERIOD:
     Settings.index_period is not a multiple of 4.
     UNUSABLE: settings with which the brakes can never be released, see complaint. WRONG_CLOCK: Settings.clock_hz is not

@@ -8,6 +8,7 @@ from gravcomp.errors import InputError
 from gravcomp.shipped import shipped
 
 REGISTERS_XML = shipped("rtl/registers/gc_registers.xml")
+MOTION_XML = shipped("rtl/registers/gc_motion_registers.xml")
 SPIRIT = "http://www.spiritconsortium.org/XMLSchema/SPIRIT/1685-2009"
 _XML = {"x": SPIRIT}
 

@@ -130,6 +130,7 @@ def _present(inputs: Mapping[str, np.ndarray], period_shortest: int) -> np.ndarr
         | (inputs["in_clock_bad"] != 0) << Cause.CLOCK
         | (inputs["in_core_bad"] != 0) << Cause.CORE
         | (inputs["in_upset"] != 0) << Cause.UPSET
+        | (inputs["in_astray"].any(axis=1)) << Cause.FOLLOWING
         | (np.abs(period) < limit).any(axis=1) << Cause.SPEED
         | ((count < low) | (count > high)).any(axis=1) << Cause.POSITION
         | (~inputs["in_referenced"].all(axis=1)) << Cause.UNREFERENCED

@@ -8,6 +8,7 @@ from enum import Enum
 from gravcomp.driver.host import Host, Result, Settings
 from gravcomp.driver.registers import read_registers
 from gravcomp.errors import InputError
+from gravcomp.facts import Cause
 from gravcomp_lab.inject.bench import Session
 
 # Of the host's loop: kicks the watchdog and reads all that a controller reads.
@@ -72,7 +73,7 @@ def bring_up(session: Session, scene: Scene) -> None:
     _need(host.tick(True), "tick")
     host.kick()
     session.tell("c", 2000)
-    host.clear_faults(0xFFFF)
+    host.clear_faults((1 << len(Cause)) - 1)
     host.kick()
     if scene.end == End.TEST:
         session.tell("c", 500)  # until the kick has arrived

@@ -1,7 +1,8 @@
 """Facts of rtl/registers/facts.toml and of the register map, written for each language; `make regs` calls this.
 
-``python -m gravcomp_lab.registers.facts REGISTERS OUT`` reads facts.toml of this tree and the registers' IP-XACT, and
-writes gc_facts_pkg.vhd, gc_scalars_pkg.vhd, gravcomp_facts.h, facts.py and the table in docs/guide/system.md below OUT.
+``python -m gravcomp_lab.registers.facts FOLDER OUT`` reads facts.toml of this tree and the registers' IP-XACT in a
+folder, and writes gc_facts_pkg.vhd, gc_scalars_pkg.vhd, gravcomp_facts.h, facts.py and the table in
+docs/guide/system.md below OUT.
 """
 
 import sys
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from gravcomp.driver.registers import Register, read_registers
+from gravcomp.driver.registers import REGISTERS_XML, Register, read_registers
 from gravcomp.errors import InputError
 from gravcomp.files import write_all_atomically
 from gravcomp_lab.pages import renewed
@@ -86,6 +87,7 @@ def vhdl(facts: Facts) -> str:
         always=f"{facts.always:0{n_causes}b}",
         key=f"{facts.load_key:08X}",
         block=f"{facts.guarded_block:02X}",
+        window=table["record_window"],
         bits=_constants("positive", {f"{name}_bits": n for name, n in table["bits"].items()}),
         clocks=_constants("positive", {f"{name}_clocks": n for name, n in table["clocks"].items()}),
         sections=_constants("natural", {**sections, "sections": len(names)}),
@@ -121,6 +123,7 @@ def c_header(facts: Facts) -> str:
         events="\n".join(events),
         key=f"0x{facts.load_key:08X}u",
         words=facts.table["words_per_kick"],
+        window=facts.table["record_window"],
     )
 
 
@@ -131,6 +134,7 @@ def python(facts: Facts) -> str:
         axes=facts.axes,
         key=f"0x{facts.load_key:08X}",
         words=table["words_per_kick"],
+        window=table["record_window"],
         states="\n".join(f"    {name.upper()} = {code}" for name, code in table["states"].items()),
         causes="\n".join(f"    {name.upper()} = {bit}" for name, bit in facts.causes.items()),
         events="\n".join(f"    {name.upper()} = {1 << low}" for name, (low, _) in events.items()),
@@ -152,6 +156,7 @@ def markdown(facts: Facts) -> str:
         "key to loading": f"0x{facts.load_key:08X}, ASCII {table['load_key']}",
         "registers that it guards": f"0x{block << 4:03X} to 0x{(block << 4) + 15:03X}",
         "words of an image from kick to kick": table["words_per_kick"],
+        "words of records that can be read at once": table["record_window"],
         "bits": _listed(table["bits"], "{0} {1}"),
         "clocks from in_valid to out_valid": _listed(table["clocks"], "`gc_{0}` {1}"),
         "sections of an image": ", ".join(table["image"]["sections"]),
@@ -204,6 +209,9 @@ package gc_facts_pkg is
   -- Loading: the key, and the registers that it guards, in blocks of 16 bytes.
   constant load_key_c   : std_ulogic_vector(31 downto 0) := x"{key}";
   constant load_block_c : std_ulogic_vector(11 downto 4) := x"{block}";
+
+  -- Words of records that the host can read at once.
+  constant record_window_c : positive := {window};
 
 {bits}
 
@@ -298,6 +306,9 @@ typedef enum {{
 #define GRAVCOMP_LOAD_KEY {key}
 #define GRAVCOMP_WORDS_PER_KICK {words}u
 
+/* Words of records that can be read at once, from record_word on. */
+#define GRAVCOMP_RECORD_WINDOW {window}u
+
 #endif
 """
 
@@ -311,6 +322,9 @@ MAX_AXES = {axes}
 # Loading: the key, and words of an image from kick to kick.
 LOAD_KEY = {key}
 WORDS_PER_KICK = {words}
+
+# Words of records that can be read at once, from record_word on.
+RECORD_WINDOW = {window}
 
 
 class State(IntEnum):
@@ -355,7 +369,7 @@ IMAGE_SCALARS = {{
 
 
 def main(registers: Path, out: Path) -> None:
-    facts = Facts(tomllib.loads(SOURCE.read_text()), read_registers(registers))
+    facts = Facts(tomllib.loads(SOURCE.read_text()), read_registers(registers / REGISTERS_XML.name))
     texts = {out / place: text for place, text in files(facts).items()}
     texts[out / PAGE] = renewed((ROOT / PAGE).read_text(), "facts", markdown(facts), PAGE)
     write_all_atomically(texts)

@@ -9,40 +9,44 @@ from gravcomp.core.vhdl.plain_vhdl import plain
 from gravcomp.errors import InputError
 from gravcomp.shipped import shipped
 
-DESCRIPTION = "rtl/registers/gc_registers.rdl"
-REGISTER_FILES = ("gc_registers_pkg.vhd", "gc_registers.vhd")
+REGISTERS, MOTION_REGISTERS = "gc_registers", "gc_motion_registers"
+REGISTER_FILES = tuple(f"{name}{end}.vhd" for name in (REGISTERS, MOTION_REGISTERS) for end in ("_pkg", ""))
 _ADDRESS_BITS = 12
 
 
 @cache
 def register_files(n_axes: int) -> dict[str, str]:
-    """gc_registers and its package for so many axes, text by file name. Raises InputError as elaborated does."""
+    """gc_registers, gc_motion_registers and their packages for so many axes, text by file name.
+
+    Raises InputError as elaborated does.
+    """
     from peakrdl_regblock_vhdl import RegblockExporter
     from peakrdl_regblock_vhdl.cpuif.axi4lite import AXI4Lite_Cpuif_flattened
 
     with tempfile.TemporaryDirectory() as folder:
-        RegblockExporter().export(
-            elaborated(n_axes),
-            folder,
-            cpuif_cls=AXI4Lite_Cpuif_flattened,
-            reuse_hwif_typedefs=False,
-            address_width=_ADDRESS_BITS,
-            default_reset_activelow=False,
-            default_reset_async=False,
-            err_if_bad_addr=True,
-            err_if_bad_rw=True,
-        )
+        for description in (REGISTERS, MOTION_REGISTERS):
+            RegblockExporter().export(
+                elaborated(description, n_axes),
+                folder,
+                cpuif_cls=AXI4Lite_Cpuif_flattened,
+                reuse_hwif_typedefs=False,
+                address_width=_ADDRESS_BITS,
+                default_reset_activelow=False,
+                default_reset_async=False,
+                err_if_bad_addr=True,
+                err_if_bad_rw=True,
+            )
         return {name: plain((Path(folder) / name).read_text(encoding="utf-8")) for name in REGISTER_FILES}
 
 
-def elaborated(n_axes: int):
-    """The root of the register description for so many axes, as PeakRDL's exporters take it.
+def elaborated(description: str, n_axes: int):
+    """The root of a description of registers for so many axes, as PeakRDL's exporters take it.
 
     Raises InputError when the description was damaged.
     """
     from systemrdl import RDLCompileError, RDLCompiler
 
-    compiler, path = RDLCompiler(), shipped(DESCRIPTION)
+    compiler, path = RDLCompiler(), shipped(f"rtl/registers/{description}.rdl")
     try:
         with as_file(files("peakrdl_regblock_vhdl") / "hdl_src" / "regblock_udps.rdl") as properties:
             compiler.compile_file(str(properties))
