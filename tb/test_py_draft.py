@@ -130,7 +130,7 @@ def test_name_space_of_xacro_alone_does_not_make_a_source_of_it(tmp_path):
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 FILES = {
-    "a.urdf.xacro": (f'<robot name="r" {XACRO}><xacro:arm n="a"/></robot>', "a source for xacro; `xacro "),
+    "my arm.urdf.xacro": (f'<robot name="r" {XACRO}><xacro:arm n="a"/></robot>', "> 'my arm.made.urdf'` makes"),
     "value.urdf": (urdf(f"revolute {LIMIT}").replace('value="1"', 'value="${m}"'), "a source for xacro; `xacro "),
     "a.model": (urdf(f"revolute {LIMIT}"), "copy it to a.urdf"),
     "a.sdf": ("<sdf version='1.6'/>", "begins with <sdf>, not with <robot> of a URDF"),

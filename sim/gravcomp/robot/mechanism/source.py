@@ -6,6 +6,7 @@ as in MuJoCo; a link of a URDF without <inertial> has none. Inertias are read fo
 
 import math
 import re
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -104,7 +105,8 @@ def _check_kind(path: Path) -> None:
         raise InputError(f"{path}: not a URDF or MJCF: no XML ({error}); correct it") from error
     if _is_xacro(root):
         made = path.name.removesuffix(".xacro").removesuffix(".urdf") + ".made.urdf"
-        raise InputError(f"{path}: a source for xacro; `xacro {path} > {made}` makes the URDF, give that")
+        how = f"xacro {shlex.quote(str(path))} > {shlex.quote(made)}"
+        raise InputError(f"{path}: a source for xacro; `{how}` makes the URDF, give that")
     if root.tag not in _ROOTS:
         raise InputError(
             f"{path}: begins with <{root.tag}>, not with <robot> of a URDF or <mujoco> of an MJCF; give one"
