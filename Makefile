@@ -136,6 +136,10 @@ synth: setup ## area and clock of the core of WEIGHTS with LANES="1 4 20", FORM=
 machines: setup ## the shipped machines: error, neurons, operations, clocks, cells of the core; docs/measured/machines.md
 	@$(LAB) machines --docs docs/measured
 
+sweep: setup ## error of arm2 against the size of its network; docs/measured/machines.md
+	@$(RUN)/gravcomp train --robot weights/arm2 --hidden 8,12,20,32,64 --starts 1 --search 0.03 --polish 300 --out build/sweep
+	@$(LAB) sweep build/sweep --docs docs/measured
+
 largest-error: setup ## mean square against largest error: both networks of the Sphe.I.Ro., picture; docs/measured/largest_error.md
 	@$(LAB) largest-error --docs docs/measured
 

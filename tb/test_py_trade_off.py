@@ -5,6 +5,7 @@ import pytest
 
 from gravcomp.core.folder import load_folder
 from gravcomp.errors import InputError
+from gravcomp_lab.__main__ import main
 from gravcomp_lab.commands.largest_error import PAGE, PART, SEEDS, SHIPPED, Row, measured, picture, rows_of, text_of
 from gravcomp_lab.pages import read
 from gravcomp_lab.shipped import ROOT
@@ -36,6 +37,22 @@ def test_shipped_networks_stand_in_the_page_and_the_picture_is_a_png():
 def test_row_that_is_none_is_refused():
     with pytest.raises(InputError, match="is no row of"):
         rows_of(TABLE + "\n| 0.3 | 6000, 30 | little | 0.2 | 0.3 |")
+
+
+def test_sweep_goes_into_the_page_whole_or_not_at_all(tmp_path, capsys):
+    sweep, docs = tmp_path / "sweep", tmp_path / "docs"
+    (docs / "figures").mkdir(parents=True)
+    sweep.mkdir()
+    page = docs / "machines.md"
+    page.write_text("before\n<!-- sweep -->\nold\n<!-- /sweep -->\nafter\n")
+    (sweep / "sweep.md").write_text("| neurons |\n")
+    assert main(["sweep", str(sweep), "--docs", str(docs)]) == 2
+    assert "sweep.png: not there" in capsys.readouterr().err
+    assert read(page, "sweep") == "old"
+    (sweep / "sweep.png").write_bytes(b"\x89PNG")
+    assert main(["sweep", str(sweep), "--docs", str(docs)]) == 0
+    assert read(page, "sweep") == "| neurons |"
+    assert (docs / "figures" / "sweep.png").read_bytes() == b"\x89PNG"
 
 
 def test_minimax_network_trades_mean_square_for_the_largest_error():
