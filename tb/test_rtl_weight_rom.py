@@ -30,7 +30,8 @@ async def words_in_turn(dut):
 @pytest.mark.parametrize(
     ("words", "lanes", "lane"), [(20, 1, 0), (20, 4, 3), (20, 20, 19), (6, 2, 1), (8, 1, 0), (7, 2, 1)]
 )
-def test_weight_rom_gives_the_words_of_its_lane(words, lanes, lane):
-    generics = {"words_g": words, "lanes_g": lanes, "lane_g": lane}
+@pytest.mark.parametrize("ring", ["false", "true"])
+def test_weight_rom_gives_the_words_of_its_lane(words, lanes, lane, ring):
+    generics = {"words_g": words, "lanes_g": lanes, "lane_g": lane, "ring_g": ring}
     bench = (BENCHES / "gc_weight_rom_bench.vhd",)
     simulate("gc_weight_rom_bench", "test_rtl_weight_rom", generics=generics, extra_sources=bench)

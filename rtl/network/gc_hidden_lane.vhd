@@ -86,7 +86,8 @@ begin
         words_g     => hidden_c,
         lanes_g     => lanes_g,
         lane_g      => lane_g,
-        table_g     => flat(hidden_words_c)
+        table_g     => flat(hidden_words_c),
+        ring_g      => lean_c
       )
       port map (
         clk      => clk,

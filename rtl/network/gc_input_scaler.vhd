@@ -92,23 +92,58 @@ begin
 
       -- stage 1: compare; holds until the next count
 
-      p_compare : process (clk) is
-      begin
+      g_whole : if not lean_c generate
 
-        if rising_edge(clk) then
-          if in_valid = '1' then
-            outside(2 * k_c) <= '0';
-            if count < scalars.count_low((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
-              outside(2 * k_c) <= '1';
-            end if;
-            outside(2 * k_c + 1) <= '0';
-            if count > scalars.count_high((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
-              outside(2 * k_c + 1) <= '1';
+        p_compare : process (clk) is
+        begin
+
+          if rising_edge(clk) then
+            if in_valid = '1' then
+              outside(2 * k_c) <= '0';
+              if count < scalars.count_low((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
+                outside(2 * k_c) <= '1';
+              end if;
+              outside(2 * k_c + 1) <= '0';
+              if count > scalars.count_high((i + 1) * count_bits_c - 1 downto i * count_bits_c) then
+                outside(2 * k_c + 1) <= '1';
+              end if;
             end if;
           end if;
-        end if;
 
-      end process p_compare;
+        end process p_compare;
+
+      end generate g_whole;
+
+      -- No scale hides the comparison: it is made on as many bits as the limits have, beside a look at those above.
+
+      g_narrow : if lean_c generate
+        constant bits_c   : positive := operand_bits_c + count_shift_c(i);
+        signal   is_wide  : std_ulogic;
+        signal   is_below : std_ulogic;
+        signal   is_above : std_ulogic;
+      begin
+        is_wide <= overflows(count, bits_c);
+        is_below <= '1' when count(bits_c - 1 downto 0)
+                             < scalars.count_low(i * count_bits_c + bits_c - 1 downto i * count_bits_c) else
+                    '0';
+        is_above <= '1' when count(bits_c - 1 downto 0)
+                             > scalars.count_high(i * count_bits_c + bits_c - 1 downto i * count_bits_c) else
+                    '0';
+
+        -- Gates: where an `if` chose, Yosys would take the way through the set of the flip-flops, which is slower.
+        p_compare : process (clk) is
+        begin
+
+          if rising_edge(clk) then
+            if in_valid = '1' then
+              outside(2 * k_c) <= (is_wide and count(count_bits_c - 1)) or (is_below and not is_wide);
+              outside(2 * k_c + 1) <= (is_wide and not count(count_bits_c - 1)) or (is_above and not is_wide);
+            end if;
+          end if;
+
+        end process p_compare;
+
+      end generate g_narrow;
 
       -- clamp
 

@@ -106,7 +106,8 @@ begin
           words_g     => hidden_c,
           lanes_g     => lanes_g,
           lane_g      => lane,
-          table_g     => flat(output_words_c)
+          table_g     => flat(output_words_c),
+          ring_g      => lean_c
         )
         port map (
           clk      => clk,

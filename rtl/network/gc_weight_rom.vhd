@@ -23,7 +23,9 @@ entity gc_weight_rom is
     lanes_g     : positive := 1;
     lane_g      : natural := 0;
     -- The table, word 0 lowest.
-    table_g     : std_ulogic_vector
+    table_g     : std_ulogic_vector;
+    -- A one-hot address for up to 8 words of a lane: a LUT stands before each bit, and few are shared.
+    ring_g      : boolean := false
   );
   port (
     clk      : in    std_ulogic;
@@ -91,6 +93,51 @@ architecture rtl of gc_weight_rom is
 
   end function increment;
 
+  constant is_ring_c : boolean := ring_g and steps_c <= 8;
+
+  -- The word after the one whose bit is high. Each of its bits is that of most words, or the other one where the bit of
+  -- one of the others is high: a function of at most half the bits.
+
+  function next_word (
+    turn : std_ulogic_vector(steps_c - 1 downto 0)
+  ) return word_t is
+
+    variable column_v : std_ulogic_vector(steps_c - 1 downto 0);
+    variable most_v   : std_ulogic;
+    variable word_v   : word_t;
+
+  begin
+
+    for i in word_t'range loop
+
+      for k in 0 to steps_c - 1 loop
+
+        column_v(k) := rom_c((k + 1) mod steps_c)(i);
+
+      end loop;
+
+      most_v := '0';
+
+      if 2 * ones(column_v) > steps_c then
+        most_v := '1';
+      end if;
+
+      word_v(i) := most_v;
+
+      for k in 0 to steps_c - 1 loop
+
+        if column_v(k) /= most_v then
+          word_v(i) := word_v(i) xor turn(k);
+        end if;
+
+      end loop;
+
+    end loop;
+
+    return word_v;
+
+  end function next_word;
+
 begin
 
   assert table_g'length = words_g * word_bits_g and lane_g < lanes_g
@@ -103,7 +150,41 @@ begin
     out_word <= rom_c(0);
   end generate g_constant;
 
-  g_rom : if steps_c > 1 generate
+  g_ring : if steps_c > 1 and is_ring_c generate
+    -- Bit k: word k stands at the output.
+    signal turn : std_ulogic_vector(steps_c - 1 downto 0);
+    signal word : word_t := rom_c(0);
+  begin
+
+    i_turn : entity work.gc_ring
+      generic map (
+        length_g => steps_c
+      )
+      port map (
+        clk      => clk,
+        rst      => rst,
+        in_valid => in_valid,
+        out_turn => turn
+      );
+
+    p_word : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        if in_valid = '1' then
+          word <= next_word(turn);
+        end if;
+        if rst = '1' then
+          word <= rom_c(0);
+        end if;
+      end if;
+
+    end process p_word;
+
+    out_word <= word;
+  end generate g_ring;
+
+  g_rom : if steps_c > 1 and not is_ring_c generate
     -- The next word: nothing but the ROM stands between two registers.
     signal address : unsigned(address_bits_c - 1 downto 0) := to_unsigned(1, address_bits_c);
     signal word    : word_t := rom_c(0);

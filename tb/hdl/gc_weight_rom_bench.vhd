@@ -10,7 +10,8 @@ entity gc_weight_rom_bench is
   generic (
     words_g : positive := 20;
     lanes_g : positive := 4;
-    lane_g  : natural := 0
+    lane_g  : natural := 0;
+    ring_g  : boolean := false
   );
   port (
     clk      : in    std_ulogic;
@@ -46,7 +47,8 @@ begin
       words_g     => words_g,
       lanes_g     => lanes_g,
       lane_g      => lane_g,
-      table_g     => table
+      table_g     => table,
+      ring_g      => ring_g
     )
     port map (
       clk      => clk,
