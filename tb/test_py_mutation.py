@@ -118,14 +118,14 @@ def test_time_limit_ends_the_tests(tmp_path):
 def test_table_explains_a_survivor_by_its_line():
     mutant = in_delay("stages(i) <= stages(i - 01);")
     outcomes = [Outcome(mutant, SURVIVED), Outcome(in_delay("null;"), TIMEOUT)]
-    table = markdown(outcomes, {("gc_delay", mutant.good, mutant.bad): "the same number"}, 5)
+    table = markdown(outcomes, {("gc_delay", mutant.good, mutant.bad): "the same number"}, 5, 9)
     assert "| gc_delay | 2 | 1 | 1 | 0 | 1 | 1 |" in table
     assert "| the same number | argued |" in table
-    assert "Seed 5; caught or equivalent: 100.0 %" in table
-    unexplained = markdown(outcomes, {}, 5)
+    assert "Seed 5; tried: 2 of 9 faults; caught or equivalent: 100.0 %" in table
+    unexplained = markdown(outcomes, {}, 5, 9)
     assert "**not explained**" in unexplained
-    assert "Seed 5; caught or equivalent: 50.0 %" in unexplained
-    proven = markdown([Outcome(mutant, EQUIVALENT, "the same netlist")], {}, 5)
+    assert "Seed 5; tried: 2 of 9 faults; caught or equivalent: 50.0 %" in unexplained
+    proven = markdown([Outcome(mutant, EQUIVALENT, "the same netlist")], {}, 5, 9)
     assert "| gc_delay | 1 | 0 | 0 | 1 | 0 | 0 |" in proven
     assert "| the same netlist | proven |" in proven
 
@@ -241,6 +241,15 @@ def test_only_entities_with_an_unknown_verdict_are_tried(tree):
     verdicts = Verdicts(root / "verdicts.csv", root)
     assert to_try({"gc_delay": (2, [invalid.mutant, caught.mutant, equal.mutant])}, verdicts) == []
     assert to_try({"gc_delay": (3, [invalid.mutant, caught.mutant, equal.mutant, new])}, verdicts) == ["gc_delay"]
+
+
+def test_known_verdicts_are_told_up_to_the_share(tree):
+    root, caught, equal = tree
+    new = in_delay("stages(i) <= stages(i - 2);")
+    verdicts = Verdicts(root / "verdicts.csv", root)
+    planned = {"gc_delay": (2, [new, caught.mutant, equal.mutant])}
+    assert [outcome.mutant for outcome in campaign.known(planned, verdicts)] == [caught.mutant, equal.mutant]
+    assert campaign.known({"gc_delay": (1, planned["gc_delay"][1])}, verdicts) == [caught]
 
 
 def test_a_run_of_known_verdicts_tries_nothing(tree, monkeypatch):

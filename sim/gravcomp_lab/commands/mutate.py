@@ -26,6 +26,7 @@ def add_arguments(parser):
         "--verdicts", type=Path, default=Path("docs/measured/mutation.csv"), help="table of what became of each fault"
     )
     parser.add_argument("--no-baseline", action="store_true", help="take it that the tests pass without a fault")
+    parser.add_argument("--known", action="store_true", help="try none: tell what the verdicts that hold say")
     parser.add_argument("--docs", type=Path, help="folder for mutation.md; needs a run over all entities")
 
 
@@ -35,7 +36,17 @@ def run(arguments):
     verdicts = Verdicts(arguments.verdicts, root)
     total = sum(min(share, len(order)) for share, order in planned.values())
     print(f"seed {arguments.seed}: {total} faults in {len(planned)} entities", flush=True)
-    entities = campaign.to_try(planned, verdicts)
+    outcomes = campaign.known(planned, verdicts) if arguments.known else _tried(planned, verdicts, total, arguments)
+    equivalent = campaign.reasons(root / "tb" / "equivalent_mutants.toml")
+    table = campaign.markdown(outcomes, equivalent, arguments.seed, total)
+    print(table)
+    if arguments.docs:
+        write_atomically(arguments.docs / "mutation.md", table)
+
+
+def _tried(planned, verdicts: Verdicts, total: int, arguments) -> list[Outcome]:
+    """The outcomes of all total faults, of which those without a verdict are tried."""
+    root, entities = arguments.root.resolve(), campaign.to_try(planned, verdicts)
     print(f"to be tried: {', '.join(entities) or 'none, every verdict still holds'}", flush=True)
     if entities and not arguments.no_baseline:
         campaign.check_baseline(root, entities, arguments.out / "baseline")
@@ -44,9 +55,4 @@ def run(arguments):
         def tell(outcome: Outcome) -> None:
             bar.update()
 
-        outcomes = campaign.run(root, planned, arguments.jobs, verdicts, tell, arguments.backend)
-    equivalent = campaign.reasons(root / "tb" / "equivalent_mutants.toml")
-    table = campaign.markdown(outcomes, equivalent, arguments.seed)
-    print(table)
-    if arguments.docs:
-        write_atomically(arguments.docs / "mutation.md", table)
+        return campaign.run(root, planned, arguments.jobs, verdicts, tell, arguments.backend)

@@ -72,6 +72,15 @@ def _is_known(share: int, order: list[Mutant], verdicts: Verdicts) -> bool:
     return True
 
 
+def known(planned: dict[str, tuple[int, list[Mutant]]], verdicts: Verdicts) -> list[Outcome]:
+    """What is known of the faults of a plan, without a trial; those that did not compile do not count for a share."""
+    outcomes = []
+    for share, order in planned.values():
+        found = [outcome for mutant in order if (outcome := verdicts.known(mutant)) and outcome.result != INVALID]
+        outcomes += found[:share]
+    return outcomes
+
+
 def check_baseline(root: Path, entities: Iterable[str], build: Path) -> None:
     """Raise InputError unless the tests that shall catch the mutants pass on the VHDL as it is."""
     files = sorted({file for entity in entities for file in relevant_tests(entity, root / "rtl", root / "tb")})
@@ -131,8 +140,8 @@ def reasons(path: Path) -> dict[tuple[str, str, str], str]:
     return {(entry["entity"], entry["good"], entry["bad"]): entry["reason"] for entry in entries}
 
 
-def markdown(outcomes: list[Outcome], equivalent: dict[tuple[str, str, str], str], seed: int) -> str:
-    """Two tables: outcomes by entity, and every survivor with its reason."""
+def markdown(outcomes: list[Outcome], equivalent: dict[tuple[str, str, str], str], seed: int, n_drawn: int) -> str:
+    """Two tables: outcomes by entity, and every survivor with its reason; n_drawn: faults of the draw, tried or not."""
     lines = [
         INTRODUCTION,
         "| entity | planted | caught | of these by time-out | proven equivalent | survived | of these explained |",
@@ -147,7 +156,8 @@ def markdown(outcomes: list[Outcome], equivalent: dict[tuple[str, str, str], str
         lines += [f"| {entity} | {' | '.join(map(str, counts))} |"]
     left = sorted((o for o in outcomes if o.result in (SURVIVED, EQUIVALENT)), key=lambda o: o.mutant.name)
     n_open = sum(o.result == SURVIVED and _key(o.mutant) not in equivalent for o in left)
-    lines += ["", f"Seed {seed}; caught or equivalent: {100 * (1 - n_open / max(len(outcomes), 1)):.1f} %."]
+    share = 100 * (1 - n_open / max(len(outcomes), 1))
+    lines += ["", f"Seed {seed}; tried: {len(outcomes)} of {n_drawn} faults; caught or equivalent: {share:.1f} %."]
     if left:
         lines += [
             "",
