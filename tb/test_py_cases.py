@@ -12,6 +12,7 @@ from gravcomp.cli import main
 from gravcomp.diagnosis.candidate import Regressor
 from gravcomp.diagnosis.effects.thrust_constant import ThrustConstant
 from gravcomp.diagnosis.model import load_model, model_toml
+from gravcomp.diagnosis.samples import split
 from gravcomp.logs.measurement import Measurement
 from machines import MACHINE, SHIPPED
 from measured_samples import motion
@@ -114,6 +115,21 @@ def test_step_of_friction_is_named_and_no_fit_is_worse_than_none(tmp_path):
     assert value(found, "friction_step", "step_1") == pytest.approx(0.8, abs=0.05)
     assert value(found, "friction_step", "t_step_s") == pytest.approx(25.0, abs=1.0)
     assert found["after"]["rms_n"] < 1.2 * NOISE
+
+
+@pytest.mark.parametrize("kind", ["friction_step", "offset_step"])
+def test_step_among_held_out_rows_spoils_no_verdict(tmp_path, kind):
+    """No training row tells when in the gap it came: the rows between are not judged, and that is said."""
+    t, q, v, model, noise = arm()
+    data = Measurement("log", t, q[:, None], v[:, None], model[:, None], model[:, None], "Nm", ("rad",))
+    is_test = split.held_out(data, split.block_labels(data, 0), 0)
+    first = next(k for k in range(150, 350) if is_test[k] and not is_test[k - 1])
+    size = np.sign(v) if kind == "friction_step" else 1.0
+    f = model + np.where(np.arange(N) > first + 1, 1.0, 0.0) * size + noise
+    found = diagnosed(tmp_path, log(t_s=t, q1_rad=q, v1_radps=v, f1_nm=f, fm1_nm=model))
+    assert kind in names(found)
+    assert found["verdict"] == "explained"
+    assert is_said(found, "rows are not judged")
 
 
 def test_late_effort_is_a_lag_and_no_backlash(tmp_path):

@@ -97,8 +97,13 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
     share = shares(data, fit, in_fit / np.maximum(found.noise, TINY), counted, written, after)
     share.unique.update(_shares_of_sensors(of_sensors, counted, written, before))
     whole = Fit((*of_sensors, *fit.effects), fit.corrections)
-    over_noise = verdict.remainder(after, ~left_out & ~data.is_reversing, is_test, noise)
+    unseen = sum(
+        (e.term.candidate.unseen(data, e.parameters, is_test) for e in fit.effects), np.zeros(data.shape, bool)
+    )
+    over_noise = verdict.remainder(after, ~left_out & ~data.is_reversing & ~unseen, is_test, noise)
     notes, is_hidden = _words(data, after, fit)
+    if unseen.any():
+        notes.append(f"a step lies among rows that were held out: {unseen.any(axis=1).sum()} rows are not judged")
     return Diagnosis(
         data=data,
         is_test=is_test,

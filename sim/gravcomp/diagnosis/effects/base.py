@@ -82,6 +82,10 @@ class Effect(Candidate):
         """How much of the force (n, k) has a direction that the log does not tell, beside that of the axes."""
         return np.zeros(data.shape)
 
+    def unseen(self, data: Measurement, parameters: Mapping[str, float], is_test: np.ndarray) -> np.ndarray:
+        """Held-out samples (n, k) at which no training can tell the force: it changes somewhere among them."""
+        return np.zeros(data.shape, bool)
+
     def mechanics(self, robot: Robot, parameters: Mapping[str, float]) -> Mechanics | None:
         """What the file of the robot takes of it; None where such a file has no place for it."""
         return None
@@ -111,6 +115,13 @@ class Effect(Candidate):
 
     def is_directional(self, labels: tuple[Parameter, ...]) -> bool:
         return any(label.stem.endswith("_pos") for label in labels)
+
+
+def held_out_about(data: Measurement, t_s: float, is_test: np.ndarray) -> np.ndarray:
+    """The held-out rows (n,) between the last row of the training before a moment and the first after it."""
+    seen = data.t_s[~is_test]
+    before, after = seen[seen <= t_s].max(initial=-np.inf), seen[seen > t_s].min(initial=np.inf)
+    return is_test & (data.t_s > before) & (data.t_s < after)
 
 
 def needs_velocity(data: Measurement) -> str:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.candidate import Parameter, Variable, by_axis
-from gravcomp.diagnosis.effects.base import Effect, needs_time, needs_velocity
+from gravcomp.diagnosis.candidate import Parameter, Variable, by_axis, per_axis
+from gravcomp.diagnosis.effects.base import Effect, held_out_about, needs_time, needs_velocity
 
 _EDGE = 0.05  # of the log: a step nearer to its ends is a transient
 
@@ -42,6 +42,10 @@ class FrictionStep(Effect):
 
     def columns(self, data, shape):
         return by_axis(data, "step", (data.t_s > shape["t_step_s"])[:, None] * data.direction)
+
+    def unseen(self, data, parameters, is_test):
+        rows = held_out_about(data, parameters["t_step_s"], is_test)
+        return rows[:, None] & (per_axis(parameters, "step", data.n_axes) != 0.0)
 
     def follows(self, data, parameters, force):
         return [(int(axis), Variable("t")) for axis in np.flatnonzero(force.any(axis=0))]

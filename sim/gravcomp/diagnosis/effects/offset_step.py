@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.candidate import Parameter, Variable, by_axis
-from gravcomp.diagnosis.effects.base import Effect, needs_time
+from gravcomp.diagnosis.candidate import Parameter, Variable, by_axis, per_axis
+from gravcomp.diagnosis.effects.base import Effect, held_out_about, needs_time
 from gravcomp.diagnosis.search.periodogram import step_in
 
 
@@ -34,6 +34,10 @@ class OffsetStep(Effect):
     def columns(self, data, shape):
         late = (data.t_s > shape["t_step_s"]).astype(float)
         return by_axis(data, "step", np.repeat(late[:, None], data.n_axes, axis=1))
+
+    def unseen(self, data, parameters, is_test):
+        rows = held_out_about(data, parameters["t_step_s"], is_test)
+        return rows[:, None] & (per_axis(parameters, "step", data.n_axes) != 0.0)
 
     def follows(self, data, parameters, force):
         return [(int(axis), Variable("t")) for axis in np.flatnonzero(force.any(axis=0))]
