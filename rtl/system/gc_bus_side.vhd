@@ -398,16 +398,24 @@ begin
 
     g_word : for i in parity'range generate
 
-      i_guard : entity work.gc_parity_guard
-        port map (
-          clk        => clk,
-          rst        => rst,
-          in_load    => may_change,
-          in_next    => settings_held(32 * i + 31 downto 32 * i),
-          in_word    => settings_held(32 * i + 31 downto 32 * i),
-          out_parity => parity(i),
-          out_upset  => open
-        );
+      -- Words that hold nothing but what motion has are zero without.
+
+      g_there : if motion_g or i < core_held_words_c generate
+
+        i_guard : entity work.gc_parity_guard
+          port map (
+            clk        => clk,
+            rst        => rst,
+            in_load    => may_change,
+            in_next    => settings_held(32 * i + 31 downto 32 * i),
+            in_word    => settings_held(32 * i + 31 downto 32 * i),
+            out_parity => parity(i),
+            out_upset  => open
+          );
+
+      else generate
+        parity(i) <= '0';
+      end generate g_there;
 
     end generate g_word;
 

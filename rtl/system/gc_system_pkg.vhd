@@ -100,9 +100,11 @@ package gc_system_pkg is
   constant no_fetch_c : fetch_t := ('0', (others => '0'));
 
   -- Bits of settings_t that stay as the host wrote them, in words with a bit of parity each.
-  constant motion_bits_c : positive := 2 * 32 + 27 + (7 * 32 + 31) * axes_c;
-  constant held_bits_c   : positive := 2 + axes_c + 9 * 32 + (4 * 32 + 4 * 31) * axes_c + motion_bits_c;
-  constant held_words_c  : positive := (held_bits_c + 31) / 32;
+  constant core_held_bits_c  : positive := 2 + axes_c + 9 * 32 + (4 * 32 + 4 * 31) * axes_c;
+  constant core_held_words_c : positive := (core_held_bits_c + 31) / 32;
+  constant motion_bits_c     : positive := 2 * 32 + 27 + (7 * 32 + 31) * axes_c;
+  constant held_bits_c       : positive := core_held_bits_c + motion_bits_c;
+  constant held_words_c      : positive := (held_bits_c + 31) / 32;
 
   subtype held_t is std_ulogic_vector(32 * held_words_c - 1 downto 0);
 
