@@ -93,6 +93,7 @@ gravcomp_result gravcomp_open(const gravcomp_bus *bus, gravcomp_identity *identi
     }
     identity->hidden = (uint8_t)FIELD(geometry, GEOMETRY__HIDDEN);
     identity->lanes = (uint8_t)FIELD(geometry, GEOMETRY__LANES);
+    identity->lean = FIELD(geometry, GEOMETRY__LEAN) != 0;
     identity->clock_hz = read_word(bus, OFFSET(clock_hz));
     identity->filter_samples = FIELD(read_word(bus, OFFSET(encoder_geometry)), ENCODER_GEOMETRY__FILTER_SAMPLES);
     read_words(bus, OFFSET(weights_hash), identity->weights_hash, 8);

@@ -44,6 +44,7 @@ typedef struct {
     uint8_t axes;                                 /* encoders, motors and brakes */
     uint8_t hidden;                               /* neurons */
     uint8_t lanes;                                /* neurons per clock */
+    bool lean;                                    /* the network's form: scalings in the weights */
     uint32_t clock_hz;                            /* of the core */
     uint32_t filter_samples;                      /* clocks that a level of an encoder must last */
     uint32_t weights_hash[8];                     /* SHA-256 of the weights, first bytes in word 0 */

@@ -44,7 +44,7 @@ CIdentity = _struct(
     "CIdentity",
     Identity,
     _per_axis(Identity) | {"weights_hash": 8, "compensation_hash": 8},
-    {"axes": _U8, "hidden": _U8, "lanes": _U8, "trained_low": _I32, "trained_high": _I32},
+    {"axes": _U8, "hidden": _U8, "lanes": _U8, "lean": ctypes.c_bool, "trained_low": _I32, "trained_high": _I32},
     _U32,
 )
 

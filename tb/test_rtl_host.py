@@ -279,7 +279,7 @@ def changed_on_an_axis(changes: dict) -> Settings:
 def test_host_refuses_settings_that_never_release_the_brakes(tmp_path):
     """In C and in Python, in the same words, and before anything is written."""
     library = compile_host(tmp_path)
-    identity = Identity(3, 20, 4, 40_000_000, 4, (0,) * 8, (0,) * 8, (0,) * 3, (0,) * 3)
+    identity = Identity(3, 20, 4, False, 40_000_000, 4, (0,) * 8, (0,) * 8, (0,) * 3, (0,) * 3)
     for changes, line in [*UNUSABLE, *((changes, None) for changes in USABLE)]:
         for name in ("C", "Python"):
             bus = FakeBus()

@@ -27,6 +27,7 @@ from gravcomp_lab.benches.system import (
     path_latency,  # noqa: F401, cocotb finds it here
     path_of,
 )
+from machines import lean_shipped
 from runner import simulate
 from support.bit_true import assert_bit_true
 
@@ -35,7 +36,7 @@ def hardware_values() -> dict[str, list[int]]:
     """What read-only registers hold after reset where that is not zero."""
     fixed, digest = fixed_network(), hash_under_test()
     return {
-        "geometry": [fixed.n_axes | fixed.n_hidden << 8 | fixed.n_axes << 16 | 1 << 24],
+        "geometry": [fixed.n_axes | fixed.n_hidden << 8 | fixed.n_axes << 16 | fixed.is_lean << 23 | 1 << 24],
         "clock_hz": [40_000_000],
         "encoder_geometry": [4],
         "weights_hash": [int(digest[8 * i : 8 * i + 8], 16) for i in range(8)],
@@ -91,6 +92,16 @@ async def holds_what_is_written(registers: Registers, rng: np.random.Generator) 
     await registers.master.write(address + 2, b"\xa5")
     low = written["window_low", 0] & 0xFF00FFFF | 0xA50000
     assert await registers.read("window_low") == low, "byte strobe"
+
+
+@cocotb.test()
+async def form_of_the_network(dut):
+    """geometry tells it, and the drivers read it there."""
+    system = System(dut)
+    await system.start(axi_mhz=40)
+    assert await system.registers.read("geometry") == hardware_values()["geometry"][0]
+    result, identity = await bridge(lambda: Host(SimulatedBus(system.registers)).open())()
+    assert (result, identity.axes, identity.lean) == (Result.OK, fixed_network().n_axes, fixed_network().is_lean)
 
 
 @cocotb.test()
@@ -616,7 +627,7 @@ def assert_path_is_right(path: EdgePath) -> None:
     assert path.shortest <= 60
 
 
-def simulate_system(*tests: str, lanes: int = 4) -> dict:
+def simulate_system(*tests: str, lanes: int = 4, **options) -> dict:
     return simulate(
         "gc_system_bench",
         "test_rtl_system",
@@ -624,6 +635,7 @@ def simulate_system(*tests: str, lanes: int = 4) -> dict:
         label=tests[0],
         generics={"lanes_g": lanes},
         extra_sources=BENCH_SOURCES,
+        **options,
     )
 
 
@@ -631,6 +643,11 @@ def test_system_registers_follow_their_map():
     simulate_system(
         "register_map", "bus_that_stalls", "addresses_without_a_register", "a_command_lasts_one_clock", lanes=1
     )
+
+
+def test_system_tells_the_lean_form():
+    weights, generated = lean_shipped()
+    simulate_system("form_of_the_network", lanes=1, environment={"WEIGHTS": str(weights)}, generated=generated)
 
 
 @pytest.mark.slow

@@ -2683,7 +2683,8 @@ begin
         if rd_mux_addr = 16#8# then
             readback_data_var(7 downto 0) := hwif_in.geometry.inputs.next_q;
             readback_data_var(15 downto 8) := hwif_in.geometry.hidden.next_q;
-            readback_data_var(23 downto 16) := hwif_in.geometry.outputs.next_q;
+            readback_data_var(22 downto 16) := hwif_in.geometry.outputs.next_q;
+            readback_data_var(23) := hwif_in.geometry.lean.next_q;
             readback_data_var(31 downto 24) := hwif_in.geometry.lanes.next_q;
         end if;
         if rd_mux_addr = 16#C# then

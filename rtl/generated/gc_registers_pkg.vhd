@@ -20,7 +20,11 @@ package gc_registers_pkg is
     end record;
 
     type gc_registers_geometry_outputs_in_t is record
-        next_q : std_logic_vector(7 downto 0);
+        next_q : std_logic_vector(6 downto 0);
+    end record;
+
+    type gc_registers_geometry_lean_in_t is record
+        next_q : std_logic;
     end record;
 
     type gc_registers_geometry_lanes_in_t is record
@@ -31,6 +35,7 @@ package gc_registers_pkg is
         inputs : gc_registers_geometry_inputs_in_t;
         hidden : gc_registers_geometry_hidden_in_t;
         outputs : gc_registers_geometry_outputs_in_t;
+        lean : gc_registers_geometry_lean_in_t;
         lanes : gc_registers_geometry_lanes_in_t;
     end record;
 

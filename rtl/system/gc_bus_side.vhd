@@ -298,7 +298,8 @@ begin
   regs_in.encoder_geometry.motion.next_q <= '1' when motion_g else '0';
   regs_in.geometry.inputs.next_q <= std_ulogic_vector(to_unsigned(inputs_c, 8));
   regs_in.geometry.hidden.next_q <= std_ulogic_vector(to_unsigned(hidden_c, 8));
-  regs_in.geometry.outputs.next_q <= std_ulogic_vector(to_unsigned(axes_c, 8));
+  regs_in.geometry.outputs.next_q <= std_ulogic_vector(to_unsigned(axes_c, 7));
+  regs_in.geometry.lean.next_q <= '1' when lean_c else '0';
   regs_in.geometry.lanes.next_q <= std_ulogic_vector(to_unsigned(lanes_g, 8));
   regs_in.clock_hz.value.next_q <= std_ulogic_vector(to_unsigned(clock_hz_g, 32));
   regs_in.encoder_geometry.filter_samples.next_q <= std_ulogic_vector(to_unsigned(filter_samples_g, 16));

@@ -96,8 +96,8 @@ def _info(board, arguments) -> None:
     identity, state = board.identity, board.host.read()
     bank, crc = ("ROM", 0) if not (crc := board.host.bank_crc()) else ("image", crc)
     print(f"{board.bus.line}")
-    print(f"core       {identity.axes} axes, {identity.hidden} neurons, {identity.lanes} per clock, "
-          f"{identity.clock_hz / 1e6:g} MHz")  # fmt: skip
+    print(f"core       {identity.axes} axes, {identity.hidden} neurons, {identity.lanes} per clock"
+          f"{', lean form' if identity.lean else ''}, {identity.clock_hz / 1e6:g} MHz")  # fmt: skip
     print(f"weights    {identity.weights_hash[0]:08x} in the ROM"
           + (f", those of {arguments.robot}" if arguments.robot else ""))  # fmt: skip
     print(f"in use     {bank}" + (f", CRC-32 {crc:08x}" if crc else ""))

@@ -61,8 +61,8 @@ class Result(IntEnum):
 
 @dataclass(frozen=True)
 class Identity:
-    """What does not change: axes, neurons and neurons per clock, Hz of the core's clock, SHA-256 in eight words,
-    trained range in counts.
+    """What does not change: axes, neurons and neurons per clock, whether the network's form is the lean one, Hz of the
+    core's clock, SHA-256 in eight words, trained range in counts.
 
     filter_samples: clocks that a level of an encoder must last.
     """
@@ -70,6 +70,7 @@ class Identity:
     axes: int
     hidden: int
     lanes: int
+    lean: bool
     clock_hz: int
     filter_samples: int
     weights_hash: tuple[int, ...]
@@ -177,6 +178,7 @@ class Host:
             axes=self._n_axes,
             hidden=self._map["geometry"].field("hidden", geometry),
             lanes=self._map["geometry"].field("lanes", geometry),
+            lean=bool(self._map["geometry"].field("lean", geometry)),
             clock_hz=self._read("clock_hz"),
             filter_samples=self._map["encoder_geometry"].field("filter_samples", self._read("encoder_geometry")),
             weights_hash=self._words("weights_hash", HASH_WORDS),
