@@ -12,7 +12,13 @@ CHOICE = """\
   g_guard : if guard_g generate
 
     g_word : for i in 0 to 3 generate
-      bad(i) <= '1';
+
+      g_there : if i > 1 generate
+        bad(i) <= '1';
+      else generate
+        bad(i) <= '0';
+      end generate g_there;
+
     end generate g_word;
 
   else generate

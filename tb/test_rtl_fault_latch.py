@@ -16,7 +16,8 @@ async def random_causes_and_clears(dut):
     weights = 1 << np.arange(len(Cause))
     fault = (rng.random((n_clocks, len(Cause))) < 0.02) @ weights
     clear = (rng.random((n_clocks, len(Cause))) < rng.choice([0, 0.5, 1], (n_clocks, 1), p=[0.8, 0.15, 0.05])) @ weights
-    rst = (rng.random(n_clocks) < 0.001).astype(np.int64)
+    # No reset for so long that the number of events overflows.
+    rst = (rng.random(n_clocks) < 0.005 * (np.arange(n_clocks) > 2000)).astype(np.int64)
     count = corners_and_random(COUNT_BITS, (n_clocks, n_axes), rng)
     packed = pack_rows(count, COUNT_BITS)
     inputs = {"rst": rst, "in_clear": clear, "in_fault": fault, "in_count": packed}

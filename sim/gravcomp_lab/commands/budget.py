@@ -32,8 +32,8 @@ def add_arguments(parser):
 
 def run(arguments):
     (lanes,) = distinct_lanes([arguments.lanes])
-    of_lean = _lean_counts(arguments, lanes)
     counted = budget_run(lanes, arguments.rtl, arguments.build, arguments.weights)
+    of_lean = _lean_counts(arguments, lanes)
     of_vhdl = [OperationCount(**numbers) for numbers in counted]
     machine, network = load_machine(arguments.weights), load_network(arguments.weights)
     of_numpy = count_network_operations(network)

@@ -52,8 +52,9 @@ def cells(entity: str, generics: Generics, rtl: Path, out: Path, target: str = "
 def without_guards(text: str) -> str:
     """VHDL in which every choice that a guard's generic makes is made: the branch of it being off alone is left."""
     guards = "guard_g|two_paths_g|feedback_g|test_g|twin_g|clock_watch_g > 0"
-    pattern = rf"^ *(\w+) : if (?:{guards}) generate$.*?^ *else generate$(.*?)^ *end generate \1;$"
-    return re.sub(pattern, r"\2", text, flags=re.MULTILINE | re.DOTALL)
+    # By its indentation: a choice may hold others.
+    pattern = rf"^( *)(\w+) : if (?:{guards}) generate$.*?^\1else generate$(.*?)^\1end generate \2;$"
+    return re.sub(pattern, r"\3", text, flags=re.MULTILINE | re.DOTALL)
 
 
 def row(entity: str, what: str, counts: Mapping[str, int]) -> str:
