@@ -6,6 +6,7 @@ watchdog is kicked through it.
 """
 
 import argparse
+import contextlib
 import sys
 from pathlib import Path
 
@@ -215,12 +216,14 @@ def _selftest(board, arguments) -> None:
 
 
 def _show(states, arguments) -> None:
-    """Each state over the one before on a terminal, one line per state elsewhere, for arguments.seconds."""
+    """Each state over the one before on a terminal, one line per state elsewhere, for arguments.seconds or until an
+    interrupt.
+    """
     import time
 
     units, end = _units(arguments), time.monotonic() + (arguments.seconds or float("inf"))
     is_terminal, shown = sys.stdout.isatty(), 0
-    try:
+    with _interrupts() as is_interrupted, contextlib.closing(states):
         for state in states:
             lines = _state_lines(state, units)
             if is_terminal:
@@ -228,10 +231,22 @@ def _show(states, arguments) -> None:
                 shown = len(lines)
             else:
                 print(" | ".join(" ".join(line.split()) for line in lines), flush=True)
-            if time.monotonic() >= end:
+            if is_interrupted() or time.monotonic() >= end:
                 break
+
+
+@contextlib.contextmanager
+def _interrupts():
+    """Whether the interrupt has come. So none falls into a frame, whose answer the next one would take for its own."""
+    import signal
+    import threading
+
+    came = threading.Event()
+    before = signal.signal(signal.SIGINT, lambda *_: came.set())
+    try:
+        yield came.is_set
     finally:
-        states.close()
+        signal.signal(signal.SIGINT, before)
 
 
 def _units(arguments) -> list[tuple[float, str, str]] | None:
