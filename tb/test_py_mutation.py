@@ -122,6 +122,8 @@ def test_table_explains_a_survivor_by_its_line():
     assert "| gc_delay | 2 | 1 | 1 | 0 | 1 | 1 |" in table
     assert "| the same number | argued |" in table
     assert "Seed 5; tried: 2 of 9 faults; caught or equivalent: 100.0 %" in table
+    assert "What is not tried yet" in table
+    assert "What is not tried yet" not in markdown(outcomes, {}, 5, len(outcomes))
     unexplained = markdown(outcomes, {}, 5, 9)
     assert "**not explained**" in unexplained
     assert "Seed 5; tried: 2 of 9 faults; caught or equivalent: 50.0 %" in unexplained

@@ -158,6 +158,8 @@ def markdown(outcomes: list[Outcome], equivalent: dict[tuple[str, str, str], str
     n_open = sum(o.result == SURVIVED and _key(o.mutant) not in equivalent for o in left)
     share = 100 * (1 - n_open / max(len(outcomes), 1))
     lines += ["", f"Seed {seed}; tried: {len(outcomes)} of {n_drawn} faults; caught or equivalent: {share:.1f} %."]
+    if len(outcomes) < n_drawn:
+        lines += ["", "What is not tried yet may be what takes longest to be caught: the share says nothing of it."]
     if left:
         lines += [
             "",
