@@ -460,6 +460,7 @@ PLANTED = [
         ("length <= length + 1;", "length <= length;", "length_is_that_of_the_frame"),
         ("if length = k then", "if length = k + 1 then", "unit_is_that_of_the_frame"),
         ('std_ulogic_vector(waddr) & "00";', 'std_ulogic_vector(waddr) & "01";', "accesses_are_of_whole_words"),
+        ('m_axi_awprot <= "000";', 'm_axi_awprot <= "001";', "no_access_has_a_protection"),
         ("tx_enable <= '1' when state = load", "tx_enable <= '1' when state = idle", "no_answer_but_to_a_right_frame"),
         ("tx_valid <= '1' when state = send", "tx_valid <= '1' when state = idle", "character_waits_for_the_line"),
     ]),

@@ -128,6 +128,7 @@ module modbus #(
     no_read_but_for_a_right_frame : assert (!arvalid || read_1 || ear == DEAF);
     no_answer_but_to_a_right_frame : assert (!tx_enable || ear == DEAF);
     accesses_are_of_whole_words : assert (awaddr[1:0] == 0 && araddr[1:0] == 0);
+    no_access_has_a_protection : assert (awprot == 0 && arprot == 0);
     address_waits_for_the_bus : assert (!aw_waits || awvalid && awaddr == awaddr_1);
     data_waits_for_the_bus : assert (!w_waits || wvalid && wdata == wdata_1);
     read_waits_for_the_bus : assert (!ar_waits || arvalid && araddr == araddr_1);
