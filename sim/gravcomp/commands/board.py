@@ -141,10 +141,10 @@ def _go(board, arguments, poses: list[list[float]], move_s: float, hold_s: float
 
     limits = load_limits(arguments.limits, arguments.robot)
     mover = Mover(board, limits, load_motion(arguments.limits, arguments.robot))
-    targets = [_counts(pose, arguments.robot) for pose in poses]
+    targets, units = [_counts(pose, arguments.robot) for pose in poses], _units(arguments)
     try:
         for state in mover.go(targets, move_s, hold_s):
-            _progress(state, _units(arguments))
+            _progress(state, units)
     finally:
         print(file=sys.stderr)
         if arguments.out:

@@ -123,11 +123,8 @@ class Mover:
         """The state, after a kick, and the records that there are."""
         state = next(states)
         self.board.host.kick()
-        self._take()
-        return state
-
-    def _take(self) -> None:
         self._words += self.motion.take(RECORDS_AT_ONCE)
+        return state
 
     def _check(self, targets: Sequence[Sequence[int]]) -> None:
         """InputError when a target is not a count per axis within the range that the window allows."""
