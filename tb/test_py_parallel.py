@@ -56,7 +56,7 @@ def test_networks_of_the_cluster_are_those_of_the_processes_here(cluster):
 
 def test_blind_sets_are_diagnosed_by_the_cluster(cluster, tmp_path, monkeypatch):
     monkeypatch.setattr(from_model, "CASES", ("clean",))
-    (outcome,) = tally.run_all(1, 0, 0, 7000, tmp_path, -1, "dask")
+    (outcome,) = tally.run_all(tally.tasks(1, 0, 0, 7000), tmp_path, -1, "dask")
     assert (outcome.kind, outcome.seed) == ("clean", 7000)
 
 

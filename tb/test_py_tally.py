@@ -20,6 +20,7 @@ from gravcomp_lab.blind.tally import (
     run_model_case,
     run_prototype_case,
     summary,
+    tasks,
 )
 from measured_samples import holds
 
@@ -106,7 +107,7 @@ def test_page_lists_every_miss_and_no_hit():
     named = replace(UNLISTED, source="prototype", seed=7, named=("payload",))
     outcomes = [RIGHT, replace(WRONG, seed=41), CLEAN, replace(CLEAN, seed=5, named=("payload",)), UNLISTED, named]
     outcomes.append(replace(RIGHT, source="prototype"))
-    page = markdown(outcomes, 200, "make blind")
+    page = markdown(outcomes, 200, "make blind", len(outcomes))
     misses = page.split("## Misses")[1].strip().splitlines()[2:]
     assert [line.split("|")[1:3] for line in misses] == [
         [" model ", " listed "], [" model ", " clean "], [" prototype ", " unlisted "]
@@ -130,13 +131,44 @@ def test_picture_shows_a_pair_of_which_one_was_named_as_one_hit_and_one_miss():
     assert confusion_png([replace(PAIR, named=("payload",))]) == confusion_png([RIGHT, missed])
 
 
-def test_every_kind_is_run_with_every_seed(monkeypatch, tmp_path):
-    monkeypatch.setattr("gravcomp_lab.blind.tally.run_model_case", lambda kind, seed: (kind, seed))
-    monkeypatch.setattr("gravcomp_lab.blind.tally.run_prototype_case", lambda *case: case)
-    ran = run_all(2, 1, 1, 30, tmp_path, 1)
-    model = [(kind, seed) for kind in CASES for seed in (30, 31)]
-    arms = [(tmp_path, kind, 30, arm) for arm in ARMS for kind in CASES]
-    assert ran == model + [(tmp_path, kind, 30) for kind in CASES] + arms
+def test_every_kind_is_run_with_every_seed_in_turn():
+    sources = ["model", "prototype", *ARMS]
+    first = [(source, kind, 30) for source in sources for kind in CASES]
+    ran = [(task.source, task.kind, task.seed) for task in tasks(2, 1, 1, 30)]
+    assert ran == first + [("model", kind, 31) for kind in CASES]
+
+
+def of_task(kind, seed):
+    return replace(CLEAN, kind=kind, seed=seed, truth=("a", "b"))
+
+
+def test_stopped_tally_tells_what_is_done_and_goes_on_from_there(monkeypatch, tmp_path):
+    todo, ran = tasks(1, 0, 0, 30), []
+
+    def run(kind, seed):
+        ran.append(kind)
+        if ran == list(CASES[:3]):
+            raise KeyboardInterrupt
+        return of_task(kind, seed)
+
+    monkeypatch.setattr("gravcomp_lab.blind.tally.run_model_case", run)
+    assert run_all(todo, tmp_path, 1) == [of_task(kind, 30) for kind in CASES[:2]]
+    assert run_all(todo, tmp_path, 1) == [of_task(kind, 30) for kind in CASES]
+    assert ran == [*CASES[:3], *CASES[2:]]
+
+
+def test_outcomes_of_other_code_are_not_counted(monkeypatch, tmp_path):
+    todo = tasks(1, 0, 0, 30)
+    monkeypatch.setattr("gravcomp_lab.blind.tally.run_model_case", of_task)
+    run_all(todo, tmp_path, 1)
+    monkeypatch.setattr("gravcomp_lab.blind.tally._digest_of_code", lambda: "another")
+    monkeypatch.setattr("gravcomp_lab.blind.tally.run_model_case", lambda *case: replace(of_task(*case), driver="v1"))
+    assert {outcome.driver for outcome in run_all(todo, tmp_path, 1)} == {"v1"}
+
+
+def test_page_of_a_stopped_tally_says_how_far_it_came():
+    assert "**Stopped after 2 of 8 sets**" in markdown([RIGHT, CLEAN], 200, "make blind", 8)
+    assert "Stopped" not in markdown([RIGHT, CLEAN], 200, "make blind", 2)
 
 
 def test_run_compares_what_was_named_with_the_sealed_answer(monkeypatch):

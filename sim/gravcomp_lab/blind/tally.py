@@ -1,18 +1,24 @@
 """Blind tally: data sets drawn by seed, each diagnosed, then its answer opened and counted."""
 
+import hashlib
 import io
+import json
 import warnings
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
+import gravcomp
+import gravcomp_lab
 from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
 from gravcomp.diagnosis.effects import NAMES
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.report.report import report
+from gravcomp.files import write_atomically
 from gravcomp.parallel import run_parallel
 from gravcomp.prototype.imperfections import UNLISTED
 from gravcomp_lab.blind import from_model, from_prototype
@@ -100,21 +106,72 @@ def _rms(x: np.ndarray) -> float:
     return float(np.sqrt(np.mean(x**2)))
 
 
-def run_all(sets: int, prototype_sets: int, arm_sets: int, first_seed: int, folder: Path, jobs: int,
-            backend: str = "loky") -> list[Outcome]:  # fmt: skip
-    """Outcomes of ``sets`` seeds of each kind from the model, ``prototype_sets`` from the prototype of the Sphe.I.Ro.,
-    ``arm_sets`` from that of each of ARMS.
+@dataclass(frozen=True)
+class Task:
+    """One set to draw, diagnose and open."""
+
+    source: str
+    kind: str
+    seed: int
+
+    def run(self, logs: Path) -> Outcome:
+        if self.source == "model":
+            return run_model_case(self.kind, self.seed)
+        machine = () if self.source == "prototype" else (self.source,)
+        return run_prototype_case(logs, self.kind, self.seed, *machine)
+
+
+class Kept:
+    """Outcomes on disk, one file each, so that a tally that was stopped tells what it has and goes on where it was.
+
+    They hold for the code that found them: its digest names their folder.
     """
-    model = [(kind, first_seed + k) for kind in from_model.CASES for k in range(sets)]
-    seeds = [(kind, first_seed + k) for k in range(prototype_sets) for kind in from_model.CASES]
-    prototype = [(folder, kind, seed) for kind, seed in seeds]
-    arms = [(folder, kind, first_seed + k, arm) for arm in ARMS for k in range(arm_sets) for kind in from_model.CASES]
-    tasks = [(run_model_case, case) for case in model] + [(run_prototype_case, case) for case in prototype + arms]
-    return run_parallel(_call, tasks, backend, "blind", jobs, delay_s=2.0)
+
+    def __init__(self, work: Path):
+        self.folder = work / f"outcomes_{_digest_of_code()}"
+
+    def path(self, task: Task) -> Path:
+        return self.folder / f"{task.source}_{task.kind}_{task.seed}.json"
+
+    def keep(self, task: Task, outcome: Outcome) -> None:
+        write_atomically(self.path(task), json.dumps(vars(outcome)))
+
+    def read(self, task: Task) -> Outcome | None:
+        if not self.path(task).is_file():
+            return None
+        content = json.loads(self.path(task).read_text(encoding="utf-8"))
+        return Outcome(**{name: tuple(x) if isinstance(x, list) else x for name, x in content.items()})
 
 
-def _call(function, case: tuple) -> Outcome:
-    return function(*case)
+def _digest_of_code() -> str:
+    """Of every module of both packages."""
+    files = [file for package in (gravcomp, gravcomp_lab) for file in Path(package.__file__).parent.rglob("*.py")]
+    return hashlib.sha256(b"".join(file.read_bytes() for file in sorted(files))).hexdigest()[:12]
+
+
+def tasks(sets: int, prototype_sets: int, arm_sets: int, first_seed: int) -> list[Task]:
+    """``sets`` seeds of each kind from the model, ``prototype_sets`` from the prototype of the Sphe.I.Ro., ``arm_sets``
+    from that of each of ARMS; in turn, so that a tally that was stopped has some of each.
+    """
+    sizes = {"model": sets, "prototype": prototype_sets, **dict.fromkeys(ARMS, arm_sets)}
+    return [
+        Task(source, kind, first_seed + k)
+        for k in range(max(sizes.values()))
+        for source in SOURCES if k < sizes[source]
+        for kind in from_model.CASES
+    ]  # fmt: skip
+
+
+def run_all(todo: list[Task], work: Path, jobs: int, backend: str = "loky") -> list[Outcome]:
+    """Outcomes of the tasks, of those that are done where Ctrl-C stops it; logs and outcomes stay in ``work``."""
+    kept = Kept(work)
+    with suppress(KeyboardInterrupt):
+        run_parallel(_run, [(task, work, kept) for task in todo if not kept.read(task)], backend, "blind", jobs, 2.0)
+    return [outcome for outcome in map(kept.read, todo) if outcome]
+
+
+def _run(task: Task, work: Path, kept: Kept) -> None:
+    kept.keep(task, task.run(work))
 
 
 def summary(outcomes: list[Outcome]) -> list[tuple[str, float, str, int]]:
@@ -160,9 +217,11 @@ _ABOUT = {
 }  # fmt: skip
 
 
-def markdown(outcomes: list[Outcome], first_seed: int, command: str) -> str:
-    """docs/measured/blind.md."""
+def markdown(outcomes: list[Outcome], first_seed: int, command: str, n_asked: int) -> str:
+    """docs/measured/blind.md; n_asked: sets that the whole tally has."""
     lines = ["# Blind tally", "", f"`{command}`: seeds from {first_seed} on; the code was tuned on seeds below 200."]
+    if len(outcomes) < n_asked:
+        lines += ["", f"**Stopped after {len(outcomes)} of {n_asked} sets**; the rates below are of those."]
     for source in SOURCES:
         own = [o for o in outcomes if o.source == source]
         if own:
