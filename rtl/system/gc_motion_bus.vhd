@@ -97,10 +97,11 @@ architecture rtl of gc_motion_bus is
   signal write_high : std_ulogic;
   signal read_high  : std_ulogic;
 
-  -- A read of a word is to come, was asked for, has its answer.
+  -- A read of a word is to come, was asked for, is over: with its answer, or without.
   signal is_word     : std_ulogic;
   signal asking      : std_ulogic := '0';
   signal told        : std_ulogic := '0';
+  signal failed      : std_ulogic := '0';
   signal fetch       : fetch_t := no_fetch_c;
   signal own_arvalid : std_ulogic;
   signal own_arready : std_ulogic;
@@ -161,21 +162,28 @@ begin
   own_arvalid <= arvalid(1) and (told or not is_word);
   own_arready <= arready and (told or not is_word);
   araddr <= s_axi_araddr when is_word = '0' else
-            window_c when in_alive = '1' else
+            window_c when failed = '0' else
             no_register_c;
 
   p_fetch : process (clk) is
   begin
 
     if rising_edge(clk) then
-      if arvalid(1) = '1' and is_word = '1' and asking = '0' and told = '0' then
-        asking <= '1';
-        fetch.turn <= not fetch.turn;
-        fetch.address <= s_axi_araddr(7 downto 2);
-      end if;
-      if asking = '1' and (in_state.fetched = fetch.turn or in_alive = '0') then
-        asking <= '0';
-        told <= '1';
+      if arvalid(1) = '1' and is_word = '1' and told = '0' then
+        -- One question at a time: the answer to one that was given up is not that to the next.
+        if in_alive = '0' then
+          asking <= '0';
+          told <= '1';
+          failed <= '1';
+        elsif asking = '0' and in_state.fetched = fetch.turn then
+          asking <= '1';
+          fetch.turn <= not fetch.turn;
+          fetch.address <= s_axi_araddr(7 downto 2);
+        elsif asking = '1' and in_state.fetched = fetch.turn then
+          asking <= '0';
+          told <= '1';
+          failed <= '0';
+        end if;
       end if;
       if told = '1' and own_arvalid = '1' and arready = '1' then
         told <= '0';

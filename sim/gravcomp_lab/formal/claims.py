@@ -12,7 +12,7 @@ from gravcomp.core.compensator_tables import (
 )
 from gravcomp.core.formats import COUNT_BITS, OPERAND_BITS, FixedNetwork, quantise
 from gravcomp.core.image import Record, image_records, record_words
-from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS, IMAGE_SECTIONS, IMAGE_WORD_BITS
+from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS, DRIVE_CLOCKS, IMAGE_SECTIONS, IMAGE_WORD_BITS
 from gravcomp.network.weights import load_network
 from gravcomp.twin.safety import Cause, State
 from gravcomp_lab.formal.model_check import Verdict, induct, model_check, refute, shortest_run
@@ -113,6 +113,15 @@ CLAIMS = (
     Claim("adc_spi", "gc_adc_spi", ADC, {"HALF": ADC["half_clocks_g"], "GAP": ADC["gap_clocks_g"]}),
     Claim("modbus", "gc_modbus", {"gap_clocks_g": 2, "bus_clocks_g": 3}, cuts=("fetched",), induction=1),
     Claim("lockstep", "gc_lockstep", {"bits_g": 4}, {"BITS": 4}),
+    Claim("register_split", "gc_register_split", induction=1),
+    Claim("motion_bus", "gc_motion_bus", {"record_bits_g": 5}),
+    Claim(
+        "motion",
+        "gc_motion",
+        {"record_bits_g": 5},
+        {"BEFORE": DRIVE_CLOCKS, "BUSY": DRIVE_CLOCKS + 21},
+        cuts=("move_ready", "too_narrow", "records", "triggered", "read_word"),
+    ),
     Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
     # Of the loader nothing matters to an interrupt, and its key is 32 bits.
     Claim("interrupts", "gc_bus_side", cuts=("unlocked", "loads", "loads_waiting")),
