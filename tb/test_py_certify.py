@@ -11,7 +11,7 @@ from gravcomp.certify.branch import Boxes, branch_and_bound
 from gravcomp.certify.certificate import Certifier, certify
 from gravcomp.certify.core import core_forces
 from gravcomp.certify.report import upward
-from gravcomp.certify.search import Found
+from gravcomp.certify.search import WorstPose
 from gravcomp.certify.taylor import Taylor
 from gravcomp.cli import main
 from gravcomp.core import formats as q
@@ -332,7 +332,7 @@ def test_halves_make_up_their_box():
 
 def test_the_search_climbs_to_a_corner_and_repeats_with_its_seed():
     low, high = np.zeros(3), np.ones(3)
-    found = [Found(lambda at: at @ np.diag([1.0, -2.0, 3.0]), low, high) for _ in range(2)]
+    found = [WorstPose(lambda at: at @ np.diag([1.0, -2.0, 3.0]), low, high) for _ in range(2)]
     for one in found:
         one.search(1000, SEED)
     np.testing.assert_allclose(found[0].size, [1.0, 2.0, 3.0], rtol=1e-4)

@@ -7,7 +7,7 @@ from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from gravcomp.robot.spheiro.kinematics import direct_kinematics
 from gravcomp.training import largest_error as module
-from gravcomp.training.largest_error import Cost, Poses, Weights, descend, edge_and_inside, least_largest_error
+from gravcomp.training.largest_error import Cost, PoseRows, Weights, descend, edge_and_inside, least_largest_error
 from gravcomp.training.training import Effort, train, workspace_set
 from machines import MACHINE, SHIPPED, P
 from mechanisms import WEIGHTS
@@ -20,7 +20,7 @@ def problem():
     """Ten neurons without training, of two inputs and two outputs; the last rows are worst poses."""
     rng = np.random.default_rng(4)
     x, y = np.c_[rng.uniform(-1, 1, (60, 2)), np.ones(60)], rng.uniform(-0.2, 0.2, (60, 2))
-    poses = Poses(x, y, np.array([1.0, 2.0]), 40)
+    poses = PoseRows(x, y, np.array([1.0, 2.0]), 40)
     return poses, Weights(0.5 * rng.standard_normal((10, 3)), 0.1 * rng.standard_normal((2, 11)))
 
 

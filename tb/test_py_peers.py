@@ -21,12 +21,12 @@ from machines import MACHINE
 from runner import BUILD, simulate
 
 NETWORK = load_network(ROOT / "weights" / "spheiro")
-CORE = measure.Row("core", 1000, 1000, 28, 0, {6: 180.0, 8: 240.0}, 3, 23, 23, 5, 1e-4)
-DA4ML = measure.Row("da4ml quadratic", 12000, 3000, 20, 0, {6: 54.0, 8: 72.0}, 3, 8, 7, 1, 6e-4)
-NNGEN = measure.Row("NNgen", 10000, 6000, 6, 11, {6: 62.0, 8: 81.0}, 3, 600, 600, 600, 8e-3)
+CORE = measure.PeerRow("core", 1000, 1000, 28, 0, {6: 180.0, 8: 240.0}, 3, 23, 23, 5, 1e-4)
+DA4ML = measure.PeerRow("da4ml quadratic", 12000, 3000, 20, 0, {6: 54.0, 8: 72.0}, 3, 8, 7, 1, 6e-4)
+NNGEN = measure.PeerRow("NNgen", 10000, 6000, 6, 11, {6: 62.0, 8: 81.0}, 3, 600, 600, 600, 8e-3)
 
 
-def missed(ours: dict[int, measure.Row]) -> list[str]:
+def missed(ours: dict[int, measure.PeerRow]) -> list[str]:
     return [claim.text for claim in claims.claims(ours, [DA4ML, NNGEN]) if claim.is_reached is False]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gravcomp_lab.blind import peers
-from gravcomp_lab.blind.peers import OURS, TOOLS, Result, table
+from gravcomp_lab.blind.peers import OURS, TOOLS, ToolResult, table
 from measured_samples import holds
 
 NOISE = 0.1
@@ -48,7 +48,7 @@ def test_trees_follow_a_step():
 
 
 def test_table_counts_names_by_truth_and_sets_in_which_a_tool_is_better():
-    ours = Result("listed", ("payload",), 1.0, frozenset({"payload"}), 2.0)
+    ours = ToolResult("listed", ("payload",), 1.0, frozenset({"payload"}), 2.0)
     right, wrong = ours, replace(ours, over_noise=0.9, named=frozenset({"cogging", "payload"}))
     others = {tool: replace(ours, over_noise=1.5, named=None) for tool in TOOLS[2:]}
     page = table([{OURS: right, TOOLS[1]: wrong, **others}, {OURS: right, TOOLS[1]: right, **others}])

@@ -14,7 +14,7 @@ from gravcomp.errors import InputError
 from gravcomp_lab.__main__ import main
 from gravcomp_lab.synthesis.place_route import place_and_route, prepare
 from gravcomp_lab.synthesis.report import picture, tables
-from gravcomp_lab.synthesis.survey import MULTIPLIER, TOP, Result, part_of
+from gravcomp_lab.synthesis.survey import MULTIPLIER, TOP, LanesResult, part_of
 from gravcomp_lab.synthesis.verilog import repair, rtl_sources, to_verilog
 from gravcomp_lab.synthesis.yosys import synthesise
 from machines import lean_shipped
@@ -185,7 +185,7 @@ def test_unknown_entity_is_refused(tmp_path):
         to_verilog(rtl_sources(RTL), "gc_nothing", {}, tmp_path / "x.v")
 
 
-def result(**changes) -> Result:
+def result(**changes) -> LanesResult:
     """A made-up result of four lanes."""
     values = {
         "lanes": 4,
@@ -201,7 +201,7 @@ def result(**changes) -> Result:
         "clock_mhz": {6: [180.0, 200.0, 190.0], 8: [240.0, 260.0, 250.0]},
         "slowest_path": {6: ("a", "b"), 8: ("c", "d")},
     }
-    return Result(**values | changes)
+    return LanesResult(**values | changes)
 
 
 def test_clocks_that_are_not_credible_are_not_quoted():

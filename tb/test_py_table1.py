@@ -5,7 +5,7 @@ import pytest
 
 from gravcomp.training.training import workspace_set
 from gravcomp_lab.__main__ import main
-from gravcomp_lab.paper.table1 import PAPER, Row, markdown, plain_start, table1
+from gravcomp_lab.paper.table1 import PAPER, TrainedRow, markdown, plain_start, table1
 from machines import MACHINE
 
 
@@ -39,14 +39,16 @@ def test_a_start_stops_at_its_gradient_threshold():
 
 
 def test_markdown_puts_the_papers_figures_beside_ours():
-    text = markdown([Row(25, "gamma", "gamma", 0.001, 0.25, 0.16), Row(20, "tanh", "gamma", 0.001, 4.0, 9.0)])
+    text = markdown(
+        [TrainedRow(25, "gamma", "gamma", 0.001, 0.25, 0.16), TrainedRow(20, "tanh", "gamma", 0.001, 4.0, 9.0)]
+    )
     assert "| 25 | gamma | gamma | 0.0500 | 0.0010 | 0.0268 | 0.25 | 0.16 | 0.400 |" in text
     assert "| 20 | tanh | gamma |  | 0.0010 |  | 4 | 9 | 3.000 |" in text
 
 
 def test_command_prints_the_table_and_writes_it(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(
-        "gravcomp_lab.commands.table1.table1", lambda *_, **__: [Row(15, "gamma", "gamma", 1.0, 2.0, 3.0)]
+        "gravcomp_lab.commands.table1.table1", lambda *_, **__: [TrainedRow(15, "gamma", "gamma", 1.0, 2.0, 3.0)]
     )
     out = tmp_path / "table1.md"
     assert main(["table1", "--poses", "10", "--out", str(out)]) == 0

@@ -22,7 +22,7 @@ from gravcomp_lab.paper.table2 import (
     PAPER,
     TORSIONS_DEG,
     TRUTH,
-    Sizes,
+    SampleCounts,
     core_row,
     findings,
     found_row,
@@ -36,7 +36,7 @@ NETWORK = load_network("weights/spheiro")
 
 @pytest.fixture(scope="module")
 def table():
-    return table2(MACHINE, NETWORK, 3, Sizes(training=60, test=30, motion=50, retraining=120))
+    return table2(MACHINE, NETWORK, 3, SampleCounts(training=60, test=30, motion=50, retraining=120))
 
 
 @pytest.fixture(scope="module")

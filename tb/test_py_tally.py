@@ -12,7 +12,7 @@ from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT, draw
 from gravcomp_lab.blind.tally import (
     AFTER_LIMIT,
     ARMS,
-    Outcome,
+    OpenedSet,
     confusion_png,
     markdown,
     median_and_top,
@@ -24,7 +24,7 @@ from gravcomp_lab.blind.tally import (
 )
 from measured_samples import holds
 
-RIGHT = Outcome(
+RIGHT = OpenedSet(
     source="model", kind="listed", seed=0, truth=("payload",), machine="holds", n_samples=120, ratio=2.0,
     named=("payload",), listed=(), verdict="explained", driver="q1", is_driver_right=False, after_ratio=1.0,
     decided_ratio=1.0,

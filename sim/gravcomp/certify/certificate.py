@@ -11,7 +11,7 @@ import numpy as np
 
 from gravcomp.certify.branch import Bounded, Boxes, branch_and_bound
 from gravcomp.certify.core import core_forces
-from gravcomp.certify.search import N_POSES, Found
+from gravcomp.certify.search import N_POSES, WorstPose
 from gravcomp.certify.taylor import Taylor, pairs
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.errors import InputError
@@ -28,7 +28,7 @@ class Certificate:
     """What is proven of every axis, and the largest errors found."""
 
     bounded: Bounded
-    found: Found
+    found: WorstPose
     units: list[str]
     seconds: float
 
@@ -60,7 +60,7 @@ class Certifier:
             raise InputError(f"{machine.where}: nothing can be proven of this robot: {error}") from error
         self.machine, self.fixed = machine, fixed
         self.units = [EFFORT_UNITS[unit] for unit in machine.position_units]
-        self.found = Found(self.errors, self.formula.low, self.formula.high)
+        self.found = WorstPose(self.errors, self.formula.low, self.formula.high)
         self.least = np.zeros(machine.n_axes)
 
     def errors(self, parameters: np.ndarray) -> np.ndarray:

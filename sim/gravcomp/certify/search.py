@@ -9,7 +9,7 @@ _N_BEST, _ROUNDS, _SHRINK, _REACH = 32, 60, 0.85, 0.1
 _ON_FACE = 0.2  # of the random poses, per variable: errors are largest at the edge more often than not
 
 
-class Found:
+class WorstPose:
     """The largest error of each axis so far, (n,), and the parameters (n, k) of its pose."""
 
     def __init__(self, errors: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray):

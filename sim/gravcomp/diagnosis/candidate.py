@@ -9,9 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from gravcomp.diagnosis.thresholds import DIFFERENCE_STEP
 from gravcomp.logs.measurement import Measurement
-
-_STEP = 1.5e-8  # of a parameter, in difference quotients: root of the rounding
 
 
 class Variable(str):
@@ -137,7 +136,7 @@ class Candidate:
         others = [name for name in parameters if name not in out]
         here = self.predict(data, parameters) if others else None
         for name in others:
-            step = _STEP * max(abs(parameters[name]), 1e-9)
+            step = DIFFERENCE_STEP * max(abs(parameters[name]), 1e-9)
             out[name] = (self.predict(data, {**parameters, name: parameters[name] + step}) - here) / step
         return out
 

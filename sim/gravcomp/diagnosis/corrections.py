@@ -13,10 +13,9 @@ from sklearn.preprocessing import PolynomialFeatures
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Variable, on_axis, variables
 from gravcomp.diagnosis.search.hinge import SIDES, corner_in
 from gravcomp.diagnosis.search.periodogram import find_lines, step_in
-from gravcomp.diagnosis.thresholds import CORNER_PRICE, EMPIRICAL_PRICE, SCAN_PRICE
+from gravcomp.diagnosis.thresholds import CORNER_PRICE, EMPIRICAL_PRICE, SCAN_PRICE, SURFACE_DEGREE
 from gravcomp.logs.measurement import Measurement
 
-_SURFACE_DEGREE = 3
 _HINGE_POWERS = (1.0, 2.0)  # a spring behind the corner, and one that stiffens
 
 
@@ -178,11 +177,11 @@ class Surface(Correction):
     def n_values(self):
         n = len(self.shape) // 2
         is_whole = n == len(self.variables) and 2 * n == len(self.shape) and all(half > 0 for half in self.shape[n:])
-        return comb(n + _SURFACE_DEGREE, _SURFACE_DEGREE) if is_whole else 0
+        return comb(n + SURFACE_DEGREE, SURFACE_DEGREE) if is_whole else 0
 
     def regressors(self, data, rows=slice(None)):
         centre, half = np.asarray(self.shape).reshape(2, -1)
-        return PolynomialFeatures(_SURFACE_DEGREE).fit_transform((data.q[rows] - centre) / half)
+        return PolynomialFeatures(SURFACE_DEGREE).fit_transform((data.q[rows] - centre) / half)
 
 
 KINDS = {kind.kind: kind for kind in (Table, Line, Product, Wave, Step, Hinge, Surface)}

@@ -9,11 +9,8 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from gravcomp.diagnosis.candidate import Parameter, Term
-from gravcomp.diagnosis.thresholds import HUBER, MAD_TO_SIGMA, TINY
+from gravcomp.diagnosis.thresholds import HUBER, HUBER_TURNS, MAD_TO_SIGMA, PULL, TINY
 from gravcomp.logs.measurement import Measurement
-
-_TURNS = 2
-_PULL = 1e-6  # toward the start, beside what a parameter moves: far above rounding, far below noise
 
 
 @dataclass(frozen=True)
@@ -72,7 +69,7 @@ def fit_terms(
     weight = sure
     start = _linear_start(data, y, rows, effects, corrections, sure / scale)
     fixed = [_stacked(data, rows, term) for term in corrections]
-    for _ in range(_TURNS):
+    for _ in range(HUBER_TURNS):
         solution = _solve(data, y, rows, effects, fixed, start, np.sqrt(weight) / scale, known)
         spread = MAD_TO_SIGMA * np.median(np.abs(solution.left), axis=0) + TINY
         weight = sure * np.minimum(1.0, HUBER * spread / np.maximum(np.abs(solution.left), TINY))
@@ -154,7 +151,7 @@ def _solve(data, y, rows, effects, fixed, start, weight, known) -> _Solution:
     x, jacobian = x0, np.zeros((y.size, 0))
     if names:
         first = np.clip(np.linalg.solve(mix, x0), low, high) / size
-        pull = _PULL * np.linalg.norm(moved(first), axis=0)
+        pull = PULL * np.linalg.norm(moved(first), axis=0)
         bounds = (low / size, high / size)
         found = least_squares(error, first, jac=slope, bounds=bounds, x_scale="jac", max_nfev=12)
         x, jacobian = mix @ (found.x * size), found.jac[: y.size] / size @ np.linalg.inv(mix)

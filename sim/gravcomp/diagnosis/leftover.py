@@ -8,9 +8,7 @@ from sklearn.model_selection import GroupKFold
 from gravcomp.diagnosis.candidate import variables
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.diagnosis.shares import along
-from gravcomp.diagnosis.thresholds import LEFT_R2, LEFT_SAMPLES, LEFT_SAMPLES_USED, LEFT_SHARE, TINY
-
-_FOLDS = 4
+from gravcomp.diagnosis.thresholds import FOLDS, LEFT_R2, LEFT_SAMPLES, LEFT_SAMPLES_USED, LEFT_SHARE, TINY
 
 
 def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
@@ -29,14 +27,14 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     for axis in range(data.n_axes):
         y = np.clip(after[rows, axis], -4 * noise[axis], 4 * noise[axis])
         gains, importance = [], np.zeros(len(names))
-        for train, test in GroupKFold(_FOLDS).split(x, y, blocks[rows]):
+        for train, test in GroupKFold(FOLDS).split(x, y, blocks[rows]):
             model = ExtraTreesRegressor(40, min_samples_leaf=10, random_state=seed).fit(x[train], y[train])
             gains.append(1.0 - np.mean((y[test] - model.predict(x[test])) ** 2) / np.var(y[test]))
             if gains[-1] <= 0:
                 break
             shuffled = permutation_importance(model, x[test], y[test], n_repeats=1, random_state=seed)
             importance += shuffled.importances_mean
-        if np.min(gains) > 0 and np.mean(gains) > max(LEFT_R2, 4 * np.std(gains) / np.sqrt(_FOLDS)):
+        if np.min(gains) > 0 and np.mean(gains) > max(LEFT_R2, 4 * np.std(gains) / np.sqrt(FOLDS)):
             top = int(importance.argmax())
             out.append({"axis": axis + 1, "variable": names[top], "share": float(np.mean(gains))})
     return out

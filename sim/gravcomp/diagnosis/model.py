@@ -15,10 +15,9 @@ from gravcomp.diagnosis.corrections import KINDS, Correction
 from gravcomp.diagnosis.effects import NAMES, effect_named
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.errors import InputError
-from gravcomp.logs.measurement import Measurement
+from gravcomp.logs.measurement import LARGEST, Measurement
 from gravcomp.robot.machine import ROBOT_TOML, Machine, parse_machine
 
-_LARGEST = 1e15  # as of any measured value
 _TABLES = ("effects", "empirical")
 _EFFECT_KEYS = {"name", "params"}
 _EMPIRICAL_KEYS = {"axis", "kind", "variables", "by_direction", "shape", "values"}
@@ -155,12 +154,12 @@ def _only(path: Path, where: str, entry: dict, keys: set[str]) -> None:
 
 def _number(path: Path, where: str, value) -> float:
     try:
-        is_number = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(float(value)) < _LARGEST
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(float(value)) < LARGEST
     except OverflowError:
         is_number = False
     if not is_number or math.isnan(value):
         shown = repr(value) if len(repr(value)) < 40 else repr(value)[:36] + "..."
-        raise InputError(f"{path}: {where} = {shown} is not a finite number below {_LARGEST:g}; give one")
+        raise InputError(f"{path}: {where} = {shown} is not a finite number below {LARGEST:g}; give one")
     return float(value)
 
 

@@ -18,7 +18,7 @@ from gravcomp.errors import InputError
 from gravcomp.logs import clock
 from gravcomp.logs.force_surface import fit_force_function
 from gravcomp.logs.glitches import without_glitches
-from gravcomp.logs.measurement import Measurement, velocity_from_position
+from gravcomp.logs.measurement import LARGEST, Measurement, velocity_from_position
 from gravcomp.logs.missing import marks
 from gravcomp.logs.text_table import TextTable, is_missing, read_text_table
 from gravcomp.logs.units import KNOWN, OF_THE_MACHINE, in_contract
@@ -27,7 +27,6 @@ from gravcomp.robot.protocol import PoseError, Robot
 
 MIN_SAMPLES = 30
 _OTHER_ROBOT = 0.5  # of the RMS of the predictions: a robot that holds something else by more is not theirs
-_LARGEST = 1e15  # of any measured value: sums of squares stay far from overflow
 _COLUMN = re.compile(r"^(q|v|f|i|fm)([1-9]\d*)_(m|rad|mps|radps|n|nm|a)$")
 _SUFFIXES = {"q": ("m", "rad"), "v": ("mps", "radps"), "f": ("n", "nm"), "i": ("a",), "fm": ("n", "nm", "a")}
 _VELOCITY_OF = {"m": "mps", "rad": "radps"}
@@ -120,11 +119,11 @@ def _numbers(path: Path, text: TextTable, name: str, cells: tuple[str, ...]) -> 
     values = pd.to_numeric(pd.Series(cells), errors="coerce").to_numpy(dtype=float, copy=True)
     missing = np.isnan(values)  # no mark of a missing value is a number
     missing[missing] = [is_missing(cells[k]) for k in np.flatnonzero(missing)]
-    bad = ~missing & ~(np.abs(values) < (1e20 if name.startswith("t_") else _LARGEST))
+    bad = ~missing & ~(np.abs(values) < (1e20 if name.startswith("t_") else LARGEST))
     if bad.any():
         k = int(np.argmax(bad))
         raise InputError(f"{path}: row {text.rows[k]}, column {name}: {cells[k]!r} is not a finite number up to "
-                         f"{_LARGEST:g}; correct or delete that row")  # fmt: skip
+                         f"{LARGEST:g}; correct or delete that row")  # fmt: skip
     return values
 
 

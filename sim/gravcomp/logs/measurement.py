@@ -11,6 +11,7 @@ from gravcomp.logs.clock import derivative
 from gravcomp.logs.places import Places, places
 from gravcomp.robot.protocol import HasBodies, Robot
 
+LARGEST = 1e15  # of any measured value: sums of squares stay far from overflow
 # A speed this far below the usual one has no sure direction.
 _DEAD_BAND_CAP = 0.02
 _STANDS_STILL = 0.3

@@ -38,7 +38,7 @@ _PHASE_PER_SAMPLE_RAD = 0.005  # of the path's oscillations: 10 mm/s at most, so
 
 
 @dataclass(frozen=True)
-class Log:
+class PrototypeLog:
     """What was measured at n samples of k axes.
 
     t_s (n,); q (n, k), m or rad, as read; v (n, k) signed velocity, of a hold that of its approach; current_a (n, k);
@@ -75,7 +75,7 @@ def measure(
     mode: str = "both",
     noise: float | None = None,
     speed: float = 1.0,
-) -> Log:
+) -> PrototypeLog:
     """Run the experiment; a quarter of the points are holds in mode "both", each approached from a side that moves
     every joint. noise: of the efforts, N or N m RMS; by default 0.1 N of the Sphe.I.Ro., and alike in proportion on
     other machines. speed multiplies that of the motion.
@@ -103,11 +103,11 @@ def as_log(
     noise: np.ndarray,
     rng: np.random.Generator,
     effects: Sequence[Imperfection] = (),
-) -> Log:
+) -> PrototypeLog:
     """Samples as drives with noise (k,), N or N m RMS, report them."""
     t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))
     current = (effort + noise * rng.standard_normal(effort.shape)) / machine.drive.effort_per_ampere
-    return Log(t, q, v, current, temperature, effort, effects, noise)
+    return PrototypeLog(t, q, v, current, temperature, effort, effects, noise)
 
 
 @contextmanager
@@ -178,7 +178,7 @@ def _approach_profile() -> np.ndarray:
 _SPEED = {"m": "mps", "rad": "radps"}
 
 
-def log_csv(log: Log, machine: Machine, with_temperature: bool = False) -> str:
+def log_csv(log: PrototypeLog, machine: Machine, with_temperature: bool = False) -> str:
     """The log in the measured-data format: t_s, q{i}_m|_rad, v{i}_mps|_radps, i{i}_a and, if asked for, temp_c."""
     units = list(enumerate(machine.position_units, start=1))
     header = ["t_s", *(f"q{i}_{unit}" for i, unit in units), *(f"v{i}_{_SPEED[unit]}" for i, unit in units)]
@@ -191,7 +191,7 @@ def log_csv(log: Log, machine: Machine, with_temperature: bool = False) -> str:
     return "\n".join([",".join(header), *(row_format % tuple(row) for row in table)]) + "\n"
 
 
-def write_measurement(path: Path | str, log: Log, machine: Machine, **facts) -> Path:
+def write_measurement(path: Path | str, log: PrototypeLog, machine: Machine, **facts) -> Path:
     """Write the CSV, and beside it the sealed answer, whose path is returned. Raises InputError if it cannot."""
     path = Path(path)
     if not path.name:

@@ -22,7 +22,7 @@ _MARGIN = 0.01  # of the range of efforts, for poses between the rows
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class EffortTable:
     """Rows of positions q (N, n), m or rad as units say, and efforts f (N, n), N or N m. files: content by name."""
 
     position_units: tuple[str, ...]
@@ -76,15 +76,15 @@ class Table:
         return KDTree(self.q / self._span)
 
 
-def from_table(table: dict, where: str) -> Table:
+def from_table(table: dict, where: str) -> EffortTable:
     """The robot of a robot.toml at the path where. Raises InputError naming file, row and column."""
     path = Path(where).parent / text(table["model"], f"{where}: [model]", "file")
     return read_table(path)
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> EffortTable:
     """The robot of a CSV. Raises InputError naming file, row and column."""
     units, q, f = read_samples(path)
     for axis in np.flatnonzero(np.ptp(q, axis=0) == 0):
         raise InputError(f"{path}: axis {axis + 1} stands still in all rows; give poses over its working range")
-    return Table(units, q, f, path.name, {path.name: path.read_bytes()})
+    return EffortTable(units, q, f, path.name, {path.name: path.read_bytes()})

@@ -6,7 +6,7 @@ from tqdm import tqdm
 from gravcomp.network.weights import Network
 from gravcomp.parallel import one_blas_thread
 from gravcomp.robot.machine import Drive
-from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, Trained, levenberg_marquardt
 from gravcomp.training.scaling import Scaling, effort_scale
 from gravcomp.training.training import RIDGE, TrainingSet, snapped
 
@@ -14,7 +14,7 @@ _ROUNDS, _ROUND = 10, Stop(steps=50)
 _MARGIN = 1.02  # of the efforts over those of the training poses: the bounds of the workspace lie a little beyond
 
 
-def retrained(network: Network, data: TrainingSet, drive: Drive, rounds: int = _ROUNDS) -> tuple[Network, Fit]:
+def retrained(network: Network, data: TrainingSet, drive: Drive, rounds: int = _ROUNDS) -> tuple[Network, Trained]:
     """The network trained to Gamma on data from its own hidden weights, on the hardware's grid, and its normalised fit.
 
     Normalisation of positions stays; that of efforts follows the data. At most rounds of 50 steps. Raises InputError

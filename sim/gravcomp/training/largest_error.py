@@ -68,7 +68,7 @@ class Weights:
         )
 
 
-class Poses:
+class PoseRows:
     """Rows [x 1] (N, n+1), y (N, m) with scale (m,) to N or N m; the first n_base are of the workspace as drawn."""
 
     def __init__(self, x: np.ndarray, y: np.ndarray, scale: np.ndarray, n_base: int):
@@ -109,7 +109,7 @@ class Poses:
 
 
 def descend(
-    poses: Poses, weights: Weights, cost: Cost, steps: int, *, output_only: bool = False
+    poses: PoseRows, weights: Weights, cost: Cost, steps: int, *, output_only: bool = False
 ) -> tuple[Weights, float]:
     """Damped Gauss-Newton steps down the cost, of all weights or those of the output; weights and cost at their end."""
     free = slice(weights.hidden.size if output_only else 0, None)
@@ -152,11 +152,11 @@ class _Search:
         return np.c_[self.scaling.x(q), np.ones(len(q))], self.scaling.y(robot.forces(q))
 
     @property
-    def poses(self) -> Poses:
-        return Poses(self._x[self._kept], self._y[self._kept], self.scaling.f_scale, self._n_base)
+    def poses(self) -> PoseRows:
+        return PoseRows(self._x[self._kept], self._y[self._kept], self.scaling.f_scale, self._n_base)
 
-    def every(self) -> Poses:
-        return Poses(self._x, self._y, self.scaling.f_scale, self._n_base)
+    def every(self) -> PoseRows:
+        return PoseRows(self._x, self._y, self.scaling.f_scale, self._n_base)
 
     def add_worst(self, weights: Weights, count: int = _WORST) -> None:
         worst = np.abs(self.every().errors(weights)).max(axis=1)

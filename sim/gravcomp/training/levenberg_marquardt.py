@@ -52,7 +52,7 @@ class Stop:
 
 
 @dataclass(frozen=True)
-class Fit:
+class Trained:
     """A trained network on normalised data.
 
     hidden: [W b_H] (h, n+1); output: [V b_o] (m, h+1); mse: mean of e^2 over rows and outputs; cost: mse and ridge;
@@ -176,7 +176,7 @@ class Problem:
         return (((point.error @ point.output[:, :-1]) * self._slope(point)).T @ self.inputs).ravel()
 
 
-def levenberg_marquardt(problem: Problem, hidden: np.ndarray, stop: Stop = Stop()) -> Fit:
+def levenberg_marquardt(problem: Problem, hidden: np.ndarray, stop: Stop = Stop()) -> Trained:
     """Train from hidden parameters [W b_H] (h, n+1); the output layer needs no start.
 
     Tied parameters start from the last neuron that they belong to. Raises numpy.linalg.LinAlgError when the output
@@ -202,7 +202,7 @@ def levenberg_marquardt(problem: Problem, hidden: np.ndarray, stop: Stop = Stop(
         costs.append(point.cost)
         mu = max(mu * MU_FALL, MU_MIN)
     mse = float(np.mean(point.error**2))
-    return Fit(point.hidden, point.output, mse, float(point.cost), gradient, len(costs), reason)
+    return Trained(point.hidden, point.output, mse, float(point.cost), gradient, len(costs), reason)
 
 
 def _step(problem, free, point, normal, rhs, mu):

@@ -6,7 +6,7 @@ The cost of a small network has many local minima; one start ends in a poor one 
 
 import numpy as np
 
-from gravcomp.training.levenberg_marquardt import Fit, Problem, Stop, levenberg_marquardt
+from gravcomp.training.levenberg_marquardt import Problem, Stop, Trained, levenberg_marquardt
 from gravcomp.training.waves import Waves
 
 # Hidden weights stay below this, so that 18-bit codes keep 15 fraction bits; waves may need steeper ones.
@@ -28,7 +28,7 @@ def random_hidden(n_hidden: int, n_inputs: int, rng: np.random.Generator) -> np.
     return _REACH * np.c_[direction, rng.uniform(-1.0, 1.0, n_hidden)]
 
 
-def best_of_draws(problem: Problem, n_draws: int, rng: np.random.Generator, waves: Waves | None = None) -> Fit:
+def best_of_draws(problem: Problem, n_draws: int, rng: np.random.Generator, waves: Waves | None = None) -> Trained:
     """The best of n_draws short runs from random starts, along waves where they are given; small weights first."""
     n_hidden, n_columns = problem.shapes[0]
     fits = []
@@ -38,7 +38,9 @@ def best_of_draws(problem: Problem, n_draws: int, rng: np.random.Generator, wave
     return min(fits, key=lambda fit: (not _is_small(fit, waves), fit.cost))
 
 
-def basin_hopping(problem: Problem, fit: Fit, n_hops: int, rng: np.random.Generator, waves: Waves | None = None) -> Fit:
+def basin_hopping(
+    problem: Problem, fit: Trained, n_hops: int, rng: np.random.Generator, waves: Waves | None = None
+) -> Trained:
     """The best network found by n_hops hops from fit; waves: whose slopes weights may have."""
     best = current = fit
     idle = 0
@@ -80,6 +82,6 @@ def _disturbed(hidden: np.ndarray, neurons: np.ndarray, rng: np.random.Generator
     return hidden
 
 
-def _is_small(fit: Fit, waves: Waves | None) -> bool:
+def _is_small(fit: Trained, waves: Waves | None) -> bool:
     limit = max(WEIGHT_LIMIT, 2.0 * float(np.abs(waves.directions).max())) if waves else WEIGHT_LIMIT
     return bool(np.abs(fit.hidden[:, :-1]).max() < limit)

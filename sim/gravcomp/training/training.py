@@ -19,7 +19,7 @@ from gravcomp.robot.machine import Drive, Machine
 from gravcomp.robot.protocol import HasRows, Robot
 from gravcomp.training import POLISH_STEPS
 from gravcomp.training.felt_axes import felt_axes
-from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, Trained, levenberg_marquardt
 from gravcomp.training.scaling import Scaling, workspace_scaling
 from gravcomp.training.search import basin_hopping, best_of_draws
 from gravcomp.training.symmetry import cyclic_images, cyclic_tie, is_cyclic
@@ -133,7 +133,7 @@ def train(
     backend: str = "loky",
     polish: int = POLISH_STEPS,
     effort: Effort,
-) -> tuple[Network, Fit]:
+) -> tuple[Network, Trained]:
     """The best network of n_starts searches per round, on the hardware's grid, and its fit in normalised units.
 
     Chosen by training error alone. polish: steps of the best on all poses, at most. Raises InputError for sizes below
@@ -166,7 +166,7 @@ def _of_all_inputs(hidden: np.ndarray, felt: np.ndarray) -> np.ndarray:
     return whole
 
 
-def draw_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, waves, seed) -> Fit:
+def draw_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, waves, seed) -> Trained:
     """First round: random draws, then hops, with weights tied by the symmetry where there is one."""
     rng = np.random.default_rng(seed)
     tie = cyclic_tie(n_hidden, y.shape[1]) if symmetric else None
@@ -174,13 +174,13 @@ def draw_start(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Ef
     return basin_hopping(problem, best_of_draws(problem, effort.draws, rng, waves), effort.tied_hops, rng, waves)
 
 
-def hop_on(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, waves, fit: Fit, seed) -> Fit:
+def hop_on(x, y, n_hidden: int, activation: str, symmetric: bool, effort: Effort, waves, fit: Trained, seed) -> Trained:
     """Second round: hops from the best of the first with all weights free."""
     problem = _problem(x, y, n_hidden, activation, symmetric)
     return basin_hopping(problem, fit, effort.hops, np.random.default_rng(seed), waves)
 
 
-def snapped(fit: Fit, problem: Problem, scaling: Scaling, drive: Drive) -> Network:
+def snapped(fit: Trained, problem: Problem, scaling: Scaling, drive: Drive) -> Network:
     """The network with W and V on the hardware's grid: each layer is rounded, then what follows it is solved again.
 
     Raises InputError when the hardware cannot hold the weights.

@@ -17,7 +17,7 @@ from gravcomp_lab.benches.bench import run_bench
 from gravcomp_lab.benches.codes import pack, unpack, weights_under_test
 from gravcomp_lab.shipped import ROOT
 from gravcomp_lab.simulated.poses import motion, pose_sets
-from gravcomp_lab.simulated.run import Run
+from gravcomp_lab.simulated.run import SimulatedRun
 
 BENCH_SOURCES = tuple(ROOT / "tb" / "hdl" / f"{name}.vhd" for name in ("gc_encoder_model", "gc_force_path_bench"))
 CLOCKS_PER_EDGE = 4
@@ -147,17 +147,19 @@ async def continuous_motion(dut):
     hand_over(sets=["motion"] * n_poses, counts=counts, answers=answers)
 
 
-def pose_run(rtl: Path, build: Path, weights: Path) -> Run:
+def pose_run(rtl: Path, build: Path, weights: Path) -> SimulatedRun:
     """The poses of the workspace through gc_force_path with one lane, whose ROM in rtl was made from weights."""
     return _run("poses", 1, rtl, build, weights)
 
 
-def motion_run(rtl: Path, build: Path, weights: Path, vcd: Path, n_poses: int = 16) -> Run:
+def motion_run(rtl: Path, build: Path, weights: Path, vcd: Path, n_poses: int = 16) -> SimulatedRun:
     """A short motion with four lanes, and its waveform."""
     return _run("continuous_motion", 4, rtl, build, weights, vcd=vcd, POSES=str(n_poses), START_S="0.18")
 
 
-def _run(name: str, lanes: int, rtl: Path, build: Path, weights: Path, vcd: Path | None = None, **more: str) -> Run:
+def _run(
+    name: str, lanes: int, rtl: Path, build: Path, weights: Path, vcd: Path | None = None, **more: str
+) -> SimulatedRun:
     measured = run_bench(
         "gc_force_path_bench",
         __name__,
@@ -171,4 +173,6 @@ def _run(name: str, lanes: int, rtl: Path, build: Path, weights: Path, vcd: Path
     )
     counts, (_, period, force, *_) = np.array(measured["counts"]), zip(*measured["answers"], strict=True)
     n_axes = counts.shape[1]
-    return Run(np.array(measured["sets"]), counts, unpack(period, 32, n_axes), unpack(force, FORCE_BITS, n_axes))
+    return SimulatedRun(
+        np.array(measured["sets"]), counts, unpack(period, 32, n_axes), unpack(force, FORCE_BITS, n_axes)
+    )

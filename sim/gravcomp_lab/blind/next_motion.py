@@ -20,7 +20,7 @@ _KEPT = {"holds": (40, 100), "motion": (150, 400), "arm": (100, 300), "slide": (
 
 
 @dataclass(frozen=True)
-class Outcome:
+class MotionOutcome:
     """alternatives: of the poor log; rest: of both logs together; same: rivals that plan calls inseparable."""
 
     seed: int
@@ -73,7 +73,7 @@ class Generator:
         return replace(data, force=data.nominal + self.size * own + noise)
 
 
-def run(seed: int) -> Outcome | None:
+def run(seed: int) -> MotionOutcome | None:
     """One set; None where its log leaves one name, or none."""
     source = Generator(seed)
     first = diagnose(source.log, Model(), 0)
@@ -85,7 +85,7 @@ def run(seed: int) -> Outcome | None:
     if found.rows is not None:
         both = diagnose(source.measure(found.rows), Model(), 0)
         named, rest, n_next = _names(both), contested(both), len(found.rows.t_s)
-    return Outcome(seed, source.machine, source.truth, len(source.log.t_s), open_sets, n_next, found.evidence,
+    return MotionOutcome(seed, source.machine, source.truth, len(source.log.t_s), open_sets, n_next, found.evidence,
                    found.same, named, rest)  # fmt: skip
 
 
@@ -111,7 +111,7 @@ def _poor(data: Measurement, machine: str, rng) -> Measurement:
                    temp_c=temp_c)  # fmt: skip
 
 
-def markdown(outcomes: list[Outcome], first_seed: int, n_drawn: int) -> str:
+def markdown(outcomes: list[MotionOutcome], first_seed: int, n_drawn: int) -> str:
     """The page: how many sets end in one name, and every set that got a plan."""
     planned = [o for o in outcomes if o.is_planned]
     rows = [
@@ -125,7 +125,7 @@ def markdown(outcomes: list[Outcome], first_seed: int, n_drawn: int) -> str:
     return _PAGE.format(command=command, table="\n".join(table), sets="\n".join(map(_row, planned)))
 
 
-def _row(o: Outcome) -> str:
+def _row(o: MotionOutcome) -> str:
     sets = "; ".join(", ".join(names) for names in o.alternatives)
     kind = "holds" if o.machine == "holds" else "rows of motion"
     rest = f" (or {'; '.join(', '.join(names[1:]) for names in o.rest)})" if o.rest else ""

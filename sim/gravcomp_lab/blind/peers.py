@@ -30,7 +30,7 @@ _TREES = 200
 
 
 @dataclass(frozen=True)
-class Result:
+class ToolResult:
     """Of one tool on one set: held-out RMS over the noise there, names given (None: the tool gives none), seconds."""
 
     kind: str
@@ -40,7 +40,7 @@ class Result:
     seconds: float
 
 
-def run_case(kind: str, seed: int) -> dict[str, Result]:
+def run_case(kind: str, seed: int) -> dict[str, ToolResult]:
     """All tools on one set of the analytic model, by name."""
     case = from_model.draw(kind, seed)
     with warnings.catch_warnings():
@@ -56,9 +56,9 @@ def run_case(kind: str, seed: int) -> dict[str, Result]:
     return {name: _result(case, found.is_test, *own) for name, own in out.items()}
 
 
-def _result(case: from_model.Case, is_test: np.ndarray, left, named, seconds: float) -> Result:
+def _result(case: from_model.Case, is_test: np.ndarray, left, named, seconds: float) -> ToolResult:
     ratio = np.sqrt(np.mean(left[is_test] ** 2) / np.mean(case.noise[is_test] ** 2))
-    return Result(case.kind, case.truth, float(ratio), named, seconds)
+    return ToolResult(case.kind, case.truth, float(ratio), named, seconds)
 
 
 def _by_axis(data: Measurement, fit: Callable) -> tuple[np.ndarray, frozenset[str] | None]:
@@ -136,7 +136,7 @@ def _variables(data: Measurement) -> tuple[np.ndarray, list[str]]:
     return (x - x.mean(axis=0)) / x.std(axis=0), names
 
 
-def table(results: list[dict[str, Result]]) -> str:
+def table(results: list[dict[str, ToolResult]]) -> str:
     """Markdown: a row per tool."""
     lines = [
         "| tool | held out over noise: listed | pair | unlisted | sets where it leaves > 5 % less than ours | "
@@ -160,10 +160,10 @@ def table(results: list[dict[str, Result]]) -> str:
     return "\n".join(lines)
 
 
-def _is_known(result: dict[str, Result]) -> bool:
+def _is_known(result: dict[str, ToolResult]) -> bool:
     return result[OURS].kind in ("listed", "pair", "clean")
 
 
-def _median(own: list[Result], kind: str) -> str:
+def _median(own: list[ToolResult], kind: str) -> str:
     ratios = [r.over_noise for r in own if r.kind == kind]
     return f"{np.median(ratios):.3f}" if ratios else "-"

@@ -29,7 +29,7 @@ SOURCES = ("model", "prototype", *ARMS)
 
 
 @dataclass(frozen=True)
-class Outcome:
+class OpenedSet:
     """One blind set after the seal was opened.
 
     after_ratio is the after-error over the injected noise, held out; decided_ratio the same where the logged velocity
@@ -64,7 +64,7 @@ class Outcome:
         return not set(self.named) <= set(self.truth)
 
 
-def run_model_case(kind: str, seed: int) -> Outcome:
+def run_model_case(kind: str, seed: int) -> OpenedSet:
     """Draw from the analytic model, diagnose, open."""
     case = from_model.draw(kind, seed)
     found, content = _diagnose(case.data)
@@ -72,7 +72,7 @@ def run_model_case(kind: str, seed: int) -> Outcome:
     return _outcome("model", kind, seed, case.truth, case.machine, case.ratio, found, content, case.noise, is_right)
 
 
-def run_prototype_case(folder: Path, kind: str, seed: int, machine: str = "spheiro") -> Outcome:
+def run_prototype_case(folder: Path, kind: str, seed: int, machine: str = "spheiro") -> OpenedSet:
     """Measure the virtual prototype of a shipped machine, diagnose the CSV, open the sealed file."""
     path = from_prototype.measure_case(folder, kind, seed, machine)
     found, content = _diagnose(from_prototype.read_case(path, machine))
@@ -90,10 +90,10 @@ def _diagnose(data) -> tuple[Diagnosis, dict]:
     return found, report(found)
 
 
-def _outcome(source, kind, seed, truth, machine, ratio, found: Diagnosis, content, noise, is_driver_right) -> Outcome:
+def _outcome(source, kind, seed, truth, machine, ratio, found: Diagnosis, content, noise, is_driver_right) -> OpenedSet:
     drivers, decided = content["drivers"], ~found.data.is_undecided[found.is_test]
     after, noise = found.after[found.is_test], noise[found.is_test]
-    return Outcome(
+    return OpenedSet(
         source, kind, seed, truth, machine, len(found.data.t_s), ratio,
         tuple(effect["name"] for effect in content["effects"]),
         tuple(name for names in content["alternatives"] for name in names),
@@ -114,7 +114,7 @@ class Task:
     kind: str
     seed: int
 
-    def run(self, logs: Path) -> Outcome:
+    def run(self, logs: Path) -> OpenedSet:
         if self.source == "model":
             return run_model_case(self.kind, self.seed)
         machine = () if self.source == "prototype" else (self.source,)
@@ -133,14 +133,14 @@ class Kept:
     def path(self, task: Task) -> Path:
         return self.folder / f"{task.source}_{task.kind}_{task.seed}.json"
 
-    def keep(self, task: Task, outcome: Outcome) -> None:
+    def keep(self, task: Task, outcome: OpenedSet) -> None:
         write_atomically(self.path(task), json.dumps(vars(outcome)))
 
-    def read(self, task: Task) -> Outcome | None:
+    def read(self, task: Task) -> OpenedSet | None:
         if not self.path(task).is_file():
             return None
         content = json.loads(self.path(task).read_text(encoding="utf-8"))
-        return Outcome(**{name: tuple(x) if isinstance(x, list) else x for name, x in content.items()})
+        return OpenedSet(**{name: tuple(x) if isinstance(x, list) else x for name, x in content.items()})
 
 
 def _digest_of_code() -> str:
@@ -162,7 +162,7 @@ def tasks(sets: int, prototype_sets: int, arm_sets: int, first_seed: int) -> lis
     ]  # fmt: skip
 
 
-def run_all(todo: list[Task], work: Path, jobs: int, backend: str = "loky") -> list[Outcome]:
+def run_all(todo: list[Task], work: Path, jobs: int, backend: str = "loky") -> list[OpenedSet]:
     """Outcomes of the tasks, of those that are done where Ctrl-C stops it; logs and outcomes stay in ``work``."""
     kept = Kept(work)
     with suppress(KeyboardInterrupt):
@@ -174,7 +174,7 @@ def _run(task: Task, work: Path, kept: Kept) -> None:
     kept.keep(task, task.run(work))
 
 
-def summary(outcomes: list[Outcome]) -> list[tuple[str, float, str, int]]:
+def summary(outcomes: list[OpenedSet]) -> list[tuple[str, float, str, int]]:
     """Rows (what, measured %, target, sets)."""
     known, clean, other, pairs = ([o for o in outcomes if o.kind == kind] for kind in from_model.CASES)
 
@@ -197,7 +197,7 @@ def summary(outcomes: list[Outcome]) -> list[tuple[str, float, str, int]]:
     ]
 
 
-def median_and_top(outcomes: list[Outcome], kind: str) -> tuple[float, float]:
+def median_and_top(outcomes: list[OpenedSet], kind: str) -> tuple[float, float]:
     """Median and 95th percentile of the after-error over the noise where the direction is known; nan without sets."""
     ratios = [o.decided_ratio for o in outcomes if o.kind == kind]
     return (float(np.median(ratios)), float(np.quantile(ratios, 0.95))) if ratios else (np.nan, np.nan)
@@ -217,7 +217,7 @@ _ABOUT = {
 }  # fmt: skip
 
 
-def markdown(outcomes: list[Outcome], first_seed: int, command: str, n_asked: int) -> str:
+def markdown(outcomes: list[OpenedSet], first_seed: int, command: str, n_asked: int) -> str:
     """docs/measured/blind.md; n_asked: sets that the whole tally has."""
     lines = ["# Blind tally", "", f"`{command}`: seeds from {first_seed} on; the code was tuned on seeds below 200."]
     if len(outcomes) < n_asked:
@@ -242,7 +242,7 @@ def markdown(outcomes: list[Outcome], first_seed: int, command: str, n_asked: in
     return "\n".join(lines) + "\n"
 
 
-def _section(outcomes: list[Outcome]) -> list[str]:
+def _section(outcomes: list[OpenedSet]) -> list[str]:
     median, top = median_and_top(outcomes, "listed")
     return [
         "| | measured % | target % | sets |", "|---|---|---|---|",
@@ -252,7 +252,7 @@ def _section(outcomes: list[Outcome]) -> list[str]:
     ]  # fmt: skip
 
 
-def confusion_png(outcomes: list[Outcome]) -> bytes:
+def confusion_png(outcomes: list[OpenedSet]) -> bytes:
     """Truth by row, first wrong or only name by column; counts. A set of two effects counts in two rows."""
     unlisted = UNLISTED if any(o.source != "model" for o in outcomes) else from_model.UNLISTED
     rows, columns = [*NAMES, *unlisted, "(clean)"], [*NAMES, "(no name)"]
@@ -275,7 +275,7 @@ def confusion_png(outcomes: list[Outcome]) -> bytes:
     return stream.getvalue()
 
 
-def _cell(o: Outcome, truth: str) -> str:
+def _cell(o: OpenedSet, truth: str) -> str:
     """The truth if it was named, else the first name that belongs to nothing in the data."""
     if truth in o.named:
         return truth

@@ -10,8 +10,8 @@ from tqdm import tqdm
 
 from gravcomp.errors import InputError
 from gravcomp.robot.machine import load_machine
-from gravcomp_lab.boards.board import Board
-from gravcomp_lab.synthesis.place_route import run_tool
+from gravcomp_lab.boards.board import BoardPart
+from gravcomp_lab.synthesis.place_route import CONFIG, run_nextpnr, run_tool
 from gravcomp_lab.synthesis.survey import MULTIPLIER, machine_sources
 from gravcomp_lab.synthesis.verilog import to_verilog
 from gravcomp_lab.synthesis.yosys import synthesise
@@ -37,7 +37,7 @@ class Bitstream:
     clocks: tuple[Clock, ...]
 
 
-def build(board: Board, weights: Path, rtl: Path, out: Path, *, selftest: bool, seed: int) -> Bitstream:
+def build(board: BoardPart, weights: Path, rtl: Path, out: Path, *, selftest: bool, seed: int) -> Bitstream:
     """Make a bitstream for a machine on a board; files go to the folder out.
 
     selftest: the desk's axes in place of the pins. Raises InputError when the machine does not fit the board, a tool
@@ -62,19 +62,22 @@ def build(board: Board, weights: Path, rtl: Path, out: Path, *, selftest: bool, 
         mapping = (rtl / MULTIPLIER, *board.primitives)
         netlist = synthesise(verilog, board.top, "ecp5", out, mapping=mapping)
         begin("place and route")
-        _place(board, netlist.json, out, seed)
-        used, clocks = _report(out / "report.json")
+        report = run_nextpnr(
+            netlist.json, device=board.device, package=board.package, speed=board.speed, seed=seed, out=out,
+            router="router2", constraints=board.constraints,
+        )  # fmt: skip
+        used, clocks = _report(report)
         _check_clocks(clocks, out)
         begin("pack")
-        run_tool("ecppack", ["--compress", "--input", "placed.config", "--bit", "board.bit"], out)
+        run_tool("ecppack", ["--compress", "--input", CONFIG, "--bit", "board.bit"], out)
         begin("unpack")
         run_tool("ecpunpack", ["--input", "board.bit", "--textcfg", "unpacked.config"], out)
-        _check_unpacked(out / "placed.config", out / "unpacked.config")
+        _check_unpacked(out / CONFIG, out / "unpacked.config")
         (out / "board.bit").replace(packed)
     return Bitstream(packed, used, clocks)
 
 
-def _check_machine(board: Board, weights: Path) -> None:
+def _check_machine(board: BoardPart, weights: Path) -> None:
     machine = load_machine(weights)
     if machine.n_axes > board.axes:
         raise InputError(
@@ -85,24 +88,6 @@ def _check_machine(board: Board, weights: Path) -> None:
             f"{weights / 'robot.toml'}: clock_hz = {machine.clock_hz:g}, {board.name} runs its core at "
             f"{board.core_hz:g}; write that one there"
         )
-
-
-def _place(board: Board, netlist: Path, out: Path, seed: int) -> None:
-    (out / "board.lpf").write_bytes(board.constraints.read_bytes())
-    arguments = [f"--{board.device}", "--package", board.package, "--speed", str(board.speed), "--seed", str(seed)]
-    arguments += [
-        "--json",
-        netlist.name,
-        "--lpf",
-        "board.lpf",
-        "--textcfg",
-        "placed.config",
-        "--report",
-        "report.json",
-        "--router",
-        "router2",
-    ]
-    run_tool("nextpnr-ecp5", [*arguments, "--timing-allow-fail", "--quiet", "--log", "nextpnr.log"], out)
 
 
 def _report(path: Path) -> tuple[dict[str, tuple[int, int]], tuple[Clock, ...]]:
@@ -122,20 +107,33 @@ def _check_clocks(clocks: tuple[Clock, ...], out: Path) -> None:
 
 
 def _check_unpacked(placed: Path, unpacked: Path) -> None:
-    """Raise InputError unless the bitstream holds every LUT, RAM and flip-flop setting that was placed."""
-    before, after = _words(placed), _words(unpacked)
-    if wrong := [place for place in before if after.get(place) != before[place]]:
+    """Raise InputError unless the bitstream holds every LUT, RAM word and flip-flop setting that was placed."""
+    before, after = _settings(placed), _settings(unpacked)
+    if wrong := [place for place, value in before.items() if after.get(place, _erased(place)) != value]:
         raise InputError(
-            f"{unpacked}: {len(wrong)} of {len(before)} words are not what was placed, such as {' '.join(wrong[0])}"
+            f"{unpacked}: {len(wrong)} of {len(before)} settings are not what was placed, such as {' '.join(wrong[0])}"
         )
 
 
-def _words(config: Path) -> dict[tuple[str, str], str]:
-    """The words of a textual configuration, such as the table of a LUT, by tile and name."""
-    tile, words = "", {}
+def _settings(config: Path) -> dict[tuple[str, str], str]:
+    """Of a textual configuration: tables of LUTs and values that flip-flops begin with, by tile and name; words of
+    block RAMs, by number and row.
+
+    A RAM's own settings are spread over tiles, of which ecpunpack reads one at a time: they cannot be compared.
+    """
+    block, row, found = "", 0, {}
     for line in config.read_text().splitlines():
-        if line.startswith((".tile ", ".bram_init ")):
-            tile = line
-        elif found := re.fullmatch(r"word: (\S+) ([01]+)", line):
-            words[tile, found[1]] = found[2]
-    return words
+        if line.startswith("."):
+            block, row = line, 0
+        elif block.startswith(".bram_init ") and line:
+            found[block, f"row {row}"] = line
+            row += 1
+        elif own := re.fullmatch(r"(?:word|enum): (\S+\.(?:K\d\.INIT|REG\d\.REGSET)) (\w+)", line):
+            found[block, own[1]] = own[2]
+    return found
+
+
+def _erased(place: tuple[str, str]) -> str | None:
+    """What a setting is that a textual configuration leaves out: that of a chip without a bitstream."""
+    name = place[1]
+    return "1" * 16 if name.endswith(".INIT") else "SET" if name.endswith(".REGSET") else None

@@ -12,7 +12,7 @@ COMMON = ("gc_pll", "gc_power_on", "gc_desk_axis", "gc_board")
 
 
 @dataclass(frozen=True)
-class Board:
+class BoardPart:
     """One part of one board: its top entity, files, clocks, and the generics that its part has room for.
 
     primitives: Verilog that takes the place of modules of the same name, with the part's own cells. axes: those that
@@ -33,7 +33,7 @@ class Board:
     generics: Mapping[str, int | str]
 
 
-def boards(folder: Path) -> dict[str, Board]:
+def boards(folder: Path) -> dict[str, BoardPart]:
     """All boards of a folder, a name for each part; InputError when there is none, or a key is missing."""
     found = {}
     for path in sorted(folder.glob("*/board.toml")):
@@ -49,9 +49,9 @@ def boards(folder: Path) -> dict[str, Board]:
     return found
 
 
-def _board(name: str, folder: Path, entries: dict, part: dict) -> Board:
+def _board(name: str, folder: Path, entries: dict, part: dict) -> BoardPart:
     common = folder.parent / "common"
-    return Board(
+    return BoardPart(
         name=name,
         top=entries["top"],
         sources=(*(common / f"{entity}.vhd" for entity in COMMON), folder / f"{entries['top']}.vhd"),

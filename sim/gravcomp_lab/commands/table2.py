@@ -7,7 +7,7 @@ from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
-from gravcomp_lab.paper.table2 import Sizes, findings, markdown, table2
+from gravcomp_lab.paper.table2 import SampleCounts, findings, markdown, table2
 
 _HEADER = """# Table 2 of the paper, repeated
 
@@ -70,7 +70,7 @@ def run(arguments):
     if arguments.seed < 0:
         raise InputError(f"--seed {arguments.seed} is negative; give 0 or more")
     began, began_cpu = time.monotonic(), time.process_time()
-    sizes = Sizes()
+    sizes = SampleCounts()
     table = table2(load_machine(arguments.weights), load_network(arguments.weights), arguments.seed, sizes)
     seconds, cpu_seconds = time.monotonic() - began, time.process_time() - began_cpu
     header = _HEADER.format(seed=arguments.seed, seconds=cpu_seconds, test=sizes.test)

@@ -17,7 +17,7 @@ Interval = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class Product:
+class Multiplier:
     """A multiplier of the design, the ROM word that holds its weight, with width and lowest bit, a weight per step."""
 
     multiplier: str
@@ -28,12 +28,12 @@ class Product:
 
 
 @dataclass(frozen=True)
-class Tree:
+class AdderTree:
     """An adder tree of the design, its products, and the bias of each step: its last term (bias_term), or the start of
     an accumulator, which then has a width and a lowest bit in its register."""
 
     path: str
-    products: list[Product]
+    products: list[Multiplier]
     bias: list[int]
     bias_term: bool = True
     accumulator_bits: int = 0
@@ -45,10 +45,10 @@ def hidden_sums(fixed: FixedNetwork, lanes: int, lane: int = 0) -> str:
     neurons = slice(lane, None, lanes)
     bits = OPERAND_BITS * fixed.n_inputs + fixed.hidden_sum_bits
     products = [
-        Product(f"g_input_n{i + 1}_i_multiply", "word", bits, OPERAND_BITS * i, [int(row[i]) for row in rows])
+        Multiplier(f"g_input_n{i + 1}_i_multiply", "word", bits, OPERAND_BITS * i, [int(row[i]) for row in rows])
         for i, rows in enumerate([fixed.hidden_weights[neurons]] * fixed.n_inputs)
     ]
-    tree = Tree("i_sum", products, [int(bias) for bias in fixed.hidden_bias[neurons]])
+    tree = AdderTree("i_sum", products, [int(bias) for bias in fixed.hidden_bias[neurons]])
     width = fixed.hidden_sum_bits
     return _checker(
         "hidden_sums", "gc_hidden_lane", "in_x", fixed.n_inputs, width, int(lanes == 1), ["g_weights_i_rom"], tree
@@ -59,7 +59,7 @@ def output_sums(fixed: FixedNetwork, lanes: int, k: int) -> str:
     """Checker of gc_output_layer with generic lanes_g, of output k: module output_sums."""
     bits, n = fixed.output_sum_bits, fixed.n_axes
     products = [
-        Product(
+        Multiplier(
             f"g_lane_n{lane + 1}_g_output_n{k + 1}_i_multiply",
             f"g_lane_n{lane + 1}_word",
             OPERAND_BITS * n,
@@ -72,7 +72,7 @@ def output_sums(fixed: FixedNetwork, lanes: int, k: int) -> str:
     accumulates = (
         {} if len(bias) == 1 else {"bias_term": False, "accumulator_bits": bits * n, "accumulator_low": bits * k}
     )
-    tree = Tree(f"g_tree_n{k + 1}_i_tree", products, bias, **accumulates)
+    tree = AdderTree(f"g_tree_n{k + 1}_i_tree", products, bias, **accumulates)
     roms = [f"g_lane_n{lane + 1}_g_weights_i_rom" for lane in range(lanes)]
     term_clocks = int(lanes in (1, fixed.n_hidden))
     packed = sum(int(value) % 2**bits << bits * axis for axis, value in enumerate(fixed.output_bias))
@@ -88,7 +88,7 @@ def _checker(
     bits: int,
     term_clocks: int,
     roms: list[str],
-    tree: Tree,
+    tree: AdderTree,
     constants: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """term_clocks: registers between product and tree, as gc_fixed_pkg has it; no proof succeeds with a wrong one.
@@ -171,7 +171,7 @@ endmodule
 """
 
 
-def _valids(facts: "_Facts", tree: Tree) -> str:
+def _valids(facts: "_Facts", tree: AdderTree) -> str:
     """Wires valid_1, valid_2 ... of the stages: the multiplier's two, then one per level of the tree."""
     multiplier = tree.products[0].multiplier
     ends = facts.n_stages - 2
@@ -181,7 +181,7 @@ def _valids(facts: "_Facts", tree: Tree) -> str:
     return "\n".join(f"  wire valid_{k} = {name};" for k, name in enumerate(names, start=1))
 
 
-def _intervals(tree: Tree, leaves: int) -> list[list[Interval]]:
+def _intervals(tree: AdderTree, leaves: int) -> list[list[Interval]]:
     """Interval of each leaf of the tree in each step."""
     per_step = []
     for s, bias in enumerate(tree.bias):
@@ -190,7 +190,7 @@ def _intervals(tree: Tree, leaves: int) -> list[list[Interval]]:
     return per_step
 
 
-def _node_facts(facts: "_Facts", tree: Tree, depth: int, per_step: list[list[Interval]]) -> str:
+def _node_facts(facts: "_Facts", tree: AdderTree, depth: int, per_step: list[list[Interval]]) -> str:
     """Facts about the nodes of a tree, a heap whose node 1 is the root, in the highest bits; returns the root."""
     leaves = 2**depth
     wire = facts.wire(f"{tree.path}.node", (2 * leaves - 1) * facts.bits)
@@ -206,7 +206,7 @@ def _node_facts(facts: "_Facts", tree: Tree, depth: int, per_step: list[list[Int
     return node[1]
 
 
-def _accumulator_facts(facts: "_Facts", tree: Tree, root: str, per_step: list[list[Interval]]) -> None:
+def _accumulator_facts(facts: "_Facts", tree: AdderTree, root: str, per_step: list[list[Interval]]) -> None:
     wire = facts.wire("g_accumulate_acc", tree.accumulator_bits)
     accumulator = f"{wire}[{tree.accumulator_low} +: {facts.bits}]"
     before = [(tree.bias[0], tree.bias[0])]
@@ -218,7 +218,7 @@ def _accumulator_facts(facts: "_Facts", tree: Tree, root: str, per_step: list[li
     facts.add(f"{ring} == 1 << at_{facts.n_stages}")
 
 
-def _product_facts(facts: "_Facts", product: Product) -> None:
+def _product_facts(facts: "_Facts", product: Multiplier) -> None:
     word = facts.wire(product.word, product.word_bits)
     facts.add(f"$signed({word}[{product.word_low} +: {OPERAND_BITS}]) == {facts.pick(0, product.weights)}")
     operand = facts.wire(f"{product.multiplier}.b_1", OPERAND_BITS)

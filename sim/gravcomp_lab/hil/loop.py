@@ -50,7 +50,7 @@ SETTINGS = {
 }
 
 
-class Loop:
+class HardwareLoop:
     """Physics and gc_system, a control period at a time."""
 
     def __init__(self, dut, run: Run):
@@ -151,7 +151,7 @@ class Loop:
 @cocotb.parametrize(index=range(len(RUNS)))
 async def closed_loop(dut, index):
     run = RUNS[index]
-    loop, n_steps = Loop(dut, run), round(run.duration_s / TIME_STEP_S)
+    loop, n_steps = HardwareLoop(dut, run), round(run.duration_s / TIME_STEP_S)
     await loop.start()
     with open(os.environ["PROGRESS"], "a") as terminal:
         for k in tqdm(range(n_steps), desc=run.name, file=terminal, unit="ms", disable=None):

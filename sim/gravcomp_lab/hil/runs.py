@@ -143,7 +143,7 @@ class Log:
 
 
 @dataclass(frozen=True)
-class Stop:
+class AfterFault:
     """After a fault: time until the platform is still for good, s (inf: never); how far the carriages went on (worst
     axis), m; speed of the platform at the fault and at the end, rad/s."""
 
@@ -153,14 +153,14 @@ class Stop:
     last_speed_radps: float
 
 
-def stop_after(run: Run, log: Log) -> Stop:
+def stop_after(run: Run, log: Log) -> AfterFault:
     """How the robot of a run with a fault came to rest."""
     after = log.t_s >= run.fault_s
     moving = np.flatnonzero(log.platform_radps[after] > STILL_RADPS)
     speeds, path_m = log.platform_radps[after], np.abs(log.q_m[after] - log.q_m[after][0])
     n_moving = moving[-1] + 1 if len(moving) else 0
     still_s = n_moving * TIME_STEP_S if n_moving < len(speeds) else np.inf
-    return Stop(still_s, float(path_m.max()), float(speeds[0]), float(speeds[-1]))
+    return AfterFault(still_s, float(path_m.max()), float(speeds[0]), float(speeds[-1]))
 
 
 def rms(values: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from gravcomp.diagnosis.model import Model
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.logs.measurement import Measurement
 from gravcomp.prototype import DEFAULT_NOISE_N
-from gravcomp.prototype.experiment import Log, as_log, hold, log_csv, measure
+from gravcomp.prototype.experiment import PrototypeLog, as_log, hold, log_csv, measure
 from gravcomp.prototype.imperfections import field_effects
 from gravcomp.prototype.plant import Plant
 from gravcomp.prototype.travel import travel_of, turning_rates
@@ -58,7 +58,7 @@ def true_forces(data: Measurement) -> np.ndarray:
     return data.nominal + Model(effects=effects).predict(data)
 
 
-def _as_read(log: Log, machine: Machine) -> Measurement:
+def _as_read(log: PrototypeLog, machine: Machine) -> Measurement:
     """The log through its CSV, so that nothing but that reaches a fit."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "field.csv"

@@ -10,7 +10,7 @@ import numpy as np
 
 from gravcomp.parallel import run_parallel
 from gravcomp.robot.machine import Machine
-from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Fit, Problem, Stop, levenberg_marquardt
+from gravcomp.training.levenberg_marquardt import ACTIVATIONS, Problem, Stop, Trained, levenberg_marquardt
 from gravcomp.training.scaling import workspace_scaling
 from gravcomp.training.search import random_hidden
 from gravcomp.training.training import RIDGE, TrainingSet, as_network, mean_square_error
@@ -22,7 +22,7 @@ _MAX_STEPS = 1000
 
 
 @dataclass(frozen=True)
-class Row:
+class TrainedRow:
     """One trained network: gradient (norm of dMSE/dp, N^2), mean square errors on training and unseen poses, N^2."""
 
     n_hidden: int
@@ -35,7 +35,7 @@ class Row:
 
 def table1(
     data: TrainingSet, unseen: TrainingSet, machine: Machine, *, n_starts: int, seed: int, backend: str
-) -> list[Row]:
+) -> list[TrainedRow]:
     """Rows of the paper's sizes trained with Gamma, then 20 neurons trained with tanh and run with either.
 
     The best of n_starts by training error stands for a size. Raises InputError when the backend cannot start.
@@ -55,18 +55,18 @@ def table1(
         gradient_n2 = fit.gradient * f_scale_n**2
         for run_with in sorted({name, "gamma"}, reverse=True):
             errors = [mean_square_error(network, poses, run_with) for poses in (data, unseen)]
-            rows.append(Row(n_hidden, name, run_with, gradient_n2, *errors))
+            rows.append(TrainedRow(n_hidden, name, run_with, gradient_n2, *errors))
     return rows
 
 
-def plain_start(x, y, n_hidden: int, activation: str, threshold: float, seed) -> Fit:
+def plain_start(x, y, n_hidden: int, activation: str, threshold: float, seed) -> Trained:
     """One random start, all parameters free, stopped by the gradient; no symmetry and no search."""
     hidden = random_hidden(n_hidden, x.shape[1], np.random.default_rng(seed))
     problem = Problem(x, y, n_hidden, ACTIVATIONS[activation], None, RIDGE)
     return levenberg_marquardt(problem, hidden, Stop(gradient=threshold, steps=_MAX_STEPS))
 
 
-def markdown(rows: list[Row]) -> str:
+def markdown(rows: list[TrainedRow]) -> str:
     """The rows as a Markdown table, the paper's figures beside those of the same size."""
     lines = [
         "| neurons | trained with | run with | gradient, paper | gradient | MSE, paper | MSE, training poses (N²) "

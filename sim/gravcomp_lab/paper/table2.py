@@ -35,7 +35,7 @@ PAPER = {
 
 
 @dataclass(frozen=True)
-class Sizes:
+class SampleCounts:
     """Holds for training, test holds per torsion, samples of the slow motion, poses of the retraining."""
 
     training: int = 100
@@ -64,7 +64,7 @@ def core_row(source: str) -> str:
     return f"core after the loop, effects found in {source}"
 
 
-def table2(machine: Machine, simulated: Network, seed: int, sizes: Sizes = Sizes()) -> PrototypeTable:
+def table2(machine: Machine, simulated: Network, seed: int, sizes: SampleCounts = SampleCounts()) -> PrototypeTable:
     """Measure, train, diagnose and compare. simulated: the network trained in simulation."""
     seeds = iter(np.random.SeedSequence(seed).generate_state(40).tolist())
     table = PrototypeTable({}, {}, {}, {})
@@ -87,7 +87,7 @@ def table2(machine: Machine, simulated: Network, seed: int, sizes: Sizes = Sizes
     return table
 
 
-def _holds(machine: Machine, approach: str, sizes: Sizes, seeds) -> tuple[Measurement, dict[int, Measurement]]:
+def _holds(machine: Machine, approach: str, sizes: SampleCounts, seeds) -> tuple[Measurement, dict[int, Measurement]]:
     p = spheiro_of(machine)
     training = hold_field(machine, sample_workspace(sizes.training, p, next(seeds)), approach, next(seeds))
     tests = {
@@ -100,7 +100,7 @@ def _holds(machine: Machine, approach: str, sizes: Sizes, seeds) -> tuple[Measur
 
 
 def _diagnose(
-    source, data: Measurement, simulated: Network, machine, sizes: Sizes, seed: int, table: PrototypeTable
+    source, data: Measurement, simulated: Network, machine, sizes: SampleCounts, seed: int, table: PrototypeTable
 ) -> None:
     with one_blas_thread():
         found = table.found[source] = diagnose(data, Model(machine), seed)

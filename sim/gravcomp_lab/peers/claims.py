@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from functools import partial
 from operator import ge, gt
 
-from gravcomp_lab.peers.measure import Row, common_speeds
+from gravcomp_lab.peers.measure import PeerRow, common_speeds
 
 ERROR_LIMIT = 2.5e-4  # of full scale
 
 
 @dataclass(frozen=True)
-class Claim:
+class PeerClaim:
     """A claim, whether it is reached (None: not measured), and the figures that decide."""
 
     text: str
@@ -19,7 +19,7 @@ class Claim:
     figures: str
 
 
-def claims(ours: Mapping[int, Row], peers: Sequence[Row]) -> list[Claim]:
+def claims(ours: Mapping[int, PeerRow], peers: Sequence[PeerRow]) -> list[PeerClaim]:
     """The claims about the core by number of lanes. A clock or a latency has to hold at every speed grade.
 
     The latency of a peer is the one that its tool claims where that is shorter than the one at its ports.
@@ -38,19 +38,19 @@ def claims(ours: Mapping[int, Row], peers: Sequence[Row]) -> list[Claim]:
     found = []
     for lanes, text, check in checks:
         is_reached, figures = check(ours[lanes]) if lanes in ours else (None, "")
-        found.append(Claim(f"{lanes} lane{'s' * (lanes > 1)}: {text}", is_reached, figures))
+        found.append(PeerClaim(f"{lanes} lane{'s' * (lanes > 1)}: {text}", is_reached, figures))
     return [*found, _error(ours)]
 
 
-def _quickest(rows: Sequence[Row]) -> Row:
+def _quickest(rows: Sequence[PeerRow]) -> PeerRow:
     return min(rows, key=lambda row: row.latency_claimed_ns(min(row.clock_mhz)))
 
 
-def _smallest(rows: Sequence[Row]) -> Row:
+def _smallest(rows: Sequence[PeerRow]) -> PeerRow:
     return min(rows, key=lambda row: row.comb)
 
 
-def _lower_latency(core: Row, rows: Sequence[Row]) -> tuple[bool, str]:
+def _lower_latency(core: PeerRow, rows: Sequence[PeerRow]) -> tuple[bool, str]:
     speeds = common_speeds([core, *rows])
     claimed = {speed: (core.latency_ns(speed), min(row.latency_claimed_ns(speed) for row in rows)) for speed in speeds}
     at_ports = {speed: (core.latency_ns(speed), min(row.latency_ns(speed) for row in rows)) for speed in speeds}
@@ -58,21 +58,21 @@ def _lower_latency(core: Row, rows: Sequence[Row]) -> tuple[bool, str]:
     return all(mine < theirs for mine, theirs in claimed.values()), figures
 
 
-def _clock(core: Row, rows: Sequence[Row], factor: float, is_reached: Callable) -> tuple[bool, str]:
+def _clock(core: PeerRow, rows: Sequence[PeerRow], factor: float, is_reached: Callable) -> tuple[bool, str]:
     speeds = common_speeds([core, *rows])
     pairs = {speed: (core.clock_mhz[speed], max(row.clock_mhz[speed] for row in rows)) for speed in speeds}
     return all(is_reached(mine, factor * theirs) for mine, theirs in pairs.values()), _at_each_speed(pairs, "MHz")
 
 
-def _share(core: Row, row: Row, limit: float) -> tuple[bool, str]:
+def _share(core: PeerRow, row: PeerRow, limit: float) -> tuple[bool, str]:
     share = core.comb / row.comb
     return share < limit, f"{core.comb} against {row.comb} TRELLIS_COMB: {share:.3f}"
 
 
-def _error(ours: Mapping[int, Row]) -> Claim:
+def _error(ours: Mapping[int, PeerRow]) -> PeerClaim:
     error = max(row.error for row in ours.values())
     text = f"error against float below {ERROR_LIMIT:.1e} of full scale"
-    return Claim(text, error < ERROR_LIMIT, f"{error:.1e}")
+    return PeerClaim(text, error < ERROR_LIMIT, f"{error:.1e}")
 
 
 def _at_each_speed(pairs: Mapping[int, tuple[float, float]], unit: str) -> str:

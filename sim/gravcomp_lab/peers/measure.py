@@ -11,7 +11,7 @@ PART = "85k"
 
 
 @dataclass(frozen=True)
-class Row:
+class PeerRow:
     """One design of the comparison.
 
     comb, ff, mult, ram: cells used (TRELLIS_COMB, TRELLIS_FF, MULT18X18D, DP16KD). clock_mhz: best clock by speed
@@ -41,12 +41,12 @@ class Row:
         return self.clock_mhz[speed] / self.interval
 
 
-def common_speeds(rows: Iterable[Row]) -> list[int]:
+def common_speeds(rows: Iterable[PeerRow]) -> list[int]:
     """The speed grades at which all of the rows have a clock."""
     return sorted(set.intersection(*(set(row.clock_mhz) for row in rows)))
 
 
-def measure(design: PeerDesign, speeds: Sequence[int], seeds: Sequence[int], progress: Callable[[], None]) -> Row:
+def measure(design: PeerDesign, speeds: Sequence[int], seeds: Sequence[int], progress: Callable[[], None]) -> PeerRow:
     """Synthesise and place a peer's design beside its Verilog; progress is called after every placement."""
     folder, placed = design.verilog.parent, []
     netlist = synthesise(design.verilog, design.top, "ecp5", folder / "ecp5").json
@@ -58,11 +58,11 @@ def measure(design: PeerDesign, speeds: Sequence[int], seeds: Sequence[int], pro
     return row(design, placed)
 
 
-def row(design: PeerDesign, placed: Sequence[tuple[int, PlacedDesign]]) -> Row:
+def row(design: PeerDesign, placed: Sequence[tuple[int, PlacedDesign]]) -> PeerRow:
     """The best clock of all placements at each speed grade, with the cells of the first one."""
     used, speeds = placed[0][1].used, sorted({speed for speed, _ in placed})
     best = {speed: max(found.clock_mhz for grade, found in placed if grade == speed) for speed in speeds}
-    return Row(
+    return PeerRow(
         name=design.name,
         comb=used["TRELLIS_COMB"],
         ff=used["TRELLIS_FF"],

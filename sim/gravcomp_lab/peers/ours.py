@@ -13,13 +13,13 @@ from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from gravcomp.twin.bounds import fixed_point_error_mn
 from gravcomp_lab.peers.jitter import PERCENTILES, Timing
-from gravcomp_lab.peers.measure import Row
+from gravcomp_lab.peers.measure import PeerRow
 from gravcomp_lab.shipped import SPHEIRO
 
 LANES = {1, 4, 20}
 
 
-def core_rows(build: Path, error: float = math.nan) -> dict[int, Row]:
+def core_rows(build: Path, error: float = math.nan) -> dict[int, PeerRow]:
     """Those of the shipped core with 1, 4 and 20 lanes that `make synth` left; InputError when there are none."""
     path = build / "synth" / SPHEIRO.name / "synth.json"
     try:
@@ -41,16 +41,16 @@ def core_error(weights: Path, n_poses: int, seed: int) -> float:
     return float(np.abs(error_mn / (1000.0 * network.f_scale)).max())
 
 
-def core_timings(rows: dict[int, Row]) -> Iterator[Timing]:
+def core_timings(rows: dict[int, PeerRow]) -> Iterator[Timing]:
     """The core's latency per number of lanes and speed grade; every percentile is the same."""
     for row in rows.values():
         for speed in sorted(row.clock_mhz):
             yield Timing(f"{row.name}, speed {speed}", (row.latency_ns(speed),) * len(PERCENTILES))
 
 
-def _row(result: dict, error: float) -> Row:
+def _row(result: dict, error: float) -> PeerRow:
     used = result["cells"]["placed"]
-    return Row(
+    return PeerRow(
         name=f"this core, {result['lanes']} lane{'s' * (result['lanes'] > 1)}",
         comb=used["TRELLIS_COMB"],
         ff=used["TRELLIS_FF"] - result["port_flip_flops"],

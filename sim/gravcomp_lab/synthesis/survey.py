@@ -32,7 +32,7 @@ CREDIBLE_MHZ = 250.0
 
 
 @dataclass(frozen=True)
-class Result:
+class LanesResult:
     """One number of lanes: interval and latency in clocks, cells by target, clock and slowest path by speed grade.
 
     part: one of PARTS. cells["placed"] is what nextpnr counts, with the flip-flops put at the ports; clock_mhz is by
@@ -55,7 +55,7 @@ class Result:
 
 def survey(
     lanes: Sequence[int], rtl: Path, build: Path, jobs: int, weights: Path = SPHEIRO, backend: str = "threading"
-) -> list[Result]:
+) -> list[LanesResult]:
     """Synthesise, place and route the core of a machine folder for each number of lanes.
 
     Files go to a folder of its name in build/synth, results also as JSON. Interval and latency are measured in
@@ -112,11 +112,11 @@ def _netlist(
     return (target, lanes), synthesise(verilog, TOP, target, out, mapping=chosen, registered=is_placed)
 
 
-def _result(lanes: int, part: str, timing: tuple[int, int], netlists: dict, placements: dict) -> Result:
+def _result(lanes: int, part: str, timing: tuple[int, int], netlists: dict, placements: dict) -> LanesResult:
     runs = {speed: [placements[lanes, speed, seed] for seed in SEEDS] for speed in SPEEDS}
     best = {speed: max(runs[speed], key=lambda run: run.clock_mhz) for speed in SPEEDS}
     cells = {target: netlists[target, lanes].cells for target in TARGETS}
-    return Result(
+    return LanesResult(
         lanes=lanes,
         part=part,
         interval=timing[0],

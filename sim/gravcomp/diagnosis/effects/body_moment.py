@@ -4,10 +4,8 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect
-from gravcomp.diagnosis.thresholds import TINY
+from gravcomp.diagnosis.thresholds import INDEPENDENT, TINY
 from gravcomp.robot.mechanics import Mechanics
-
-_INDEPENDENT = 1e-6  # of the largest regressor: less is left of one beside those of bodies nearer to the base
 
 
 class BodyMoment(Effect):
@@ -30,7 +28,7 @@ class BodyMoment(Effect):
         every = _regressors(data)
         flat = np.column_stack([column.ravel() for column in every.values()])
         left = np.abs(np.diag(np.linalg.qr(flat, mode="r"))) / max(np.linalg.norm(flat, axis=0).max(), TINY)
-        return {label: column for (label, column), own in zip(every.items(), left, strict=True) if own > _INDEPENDENT}
+        return {label: column for (label, column), own in zip(every.items(), left, strict=True) if own > INDEPENDENT}
 
     def predict(self, data, parameters):
         every = _regressors(data)

@@ -6,9 +6,8 @@ from gravcomp.core.compensation import MAX_HARMONIC, no_compensation
 from gravcomp.diagnosis.candidate import Parameter, on_axis
 from gravcomp.diagnosis.effects.base import Effect
 from gravcomp.diagnosis.search.periodogram import find_lines, pitch_of
+from gravcomp.diagnosis.thresholds import DIVISORS, WAVE_SEEN
 from gravcomp.errors import InputError
-
-_SEEN = 2.2  # distances of places per wave: at two a wave and its image cannot be told apart
 
 
 class Cogging(Effect):
@@ -36,9 +35,9 @@ class Cogging(Effect):
         turn = 2.0 * np.pi if data.position_units and data.position_units[0] == "rad" else None
         lines = [find_lines(q, residual)]
         lines += [find_lines(q[:, [i]], residual[:, [i]]) for i in range(data.n_axes) if data.n_axes > 1]
-        found = {pitch_of(own, span, turn, divisors) for own in lines for divisors in (1, 6)}
+        found = {pitch_of(own, span, turn, divisors) for own in lines for divisors in (1, DIVISORS)}
         seen = [
-            (pitch, tuple(h for h in own if pitch / h > _SEEN * data.spacing.max()))
+            (pitch, tuple(h for h in own if pitch / h > WAVE_SEEN * data.spacing.max()))
             for pitch, own in filter(None, found)
         ]
         return {(("pitch", pitch), ("harmonics", harmonics)) for pitch, harmonics in seen if harmonics}

@@ -4,8 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, Variable, by_axis, per_axis
 from gravcomp.diagnosis.effects.base import Effect, held_out_about, needs_time, needs_velocity
-
-_EDGE = 0.05  # of the log: a step nearer to its ends is a transient
+from gravcomp.diagnosis.thresholds import STEP_EDGE
 
 
 class FrictionStep(Effect):
@@ -28,7 +27,7 @@ class FrictionStep(Effect):
         """The moment at which the part of a residual that goes with the direction most clearly changes, on all axes
         together and on each.
         """
-        n, edge = len(rows), max(int(_EDGE * len(rows)), 2)
+        n, edge = len(rows), max(int(STEP_EDGE * len(rows)), 2)
         if n < 4 * edge:
             return set()
         friction = residual * data.direction[rows]

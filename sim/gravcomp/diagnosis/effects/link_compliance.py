@@ -4,9 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_function
-from gravcomp.diagnosis.thresholds import TINY
-
-_MOST_BENT = 0.1  # of the range of an axis
+from gravcomp.diagnosis.thresholds import MOST_BENT, TINY
 
 
 class LinkCompliance(Effect):
@@ -28,7 +26,7 @@ class LinkCompliance(Effect):
 
     def limits_in(self, data):
         """Bending by more than a part of the axis' range is none."""
-        most = _MOST_BENT * np.ptp(data.q, axis=0) / np.maximum(np.abs(data.nominal).max(axis=0), TINY)
+        most = MOST_BENT * np.ptp(data.q, axis=0) / np.maximum(np.abs(data.nominal).max(axis=0), TINY)
         return {Parameter("c", j): float(limit) for j, limit in enumerate(most)}
 
     def contrasts(self, labels):

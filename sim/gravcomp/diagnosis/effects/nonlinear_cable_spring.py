@@ -7,7 +7,6 @@ from gravcomp.diagnosis.candidate import Parameter, axes_in, on_axis, per_axis
 from gravcomp.diagnosis.effects.base import Effect, needs_velocity
 
 _POWERS = range(5)  # order 4: what users fit to such cables
-_FEWEST_PLACES = 5  # what a polynomial of order 4 needs
 
 
 class NonlinearCableSpring(Effect):
@@ -24,7 +23,7 @@ class NonlinearCableSpring(Effect):
     def shapes(self, data):
         """Middle and half range of each axis: powers of what lies between are nearly independent."""
         low, high = data.q.min(axis=0), data.q.max(axis=0)
-        axes = [i for i in range(data.n_axes) if len(np.unique(data.poses[:, i])) >= _FEWEST_PLACES]
+        axes = [i for i in range(data.n_axes) if len(np.unique(data.poses[:, i])) >= len(_POWERS)]
         shape = {Parameter("middle", i): float(low[i] + high[i]) / 2 for i in axes}
         return [shape | {Parameter("half", i): float(high[i] - low[i]) / 2 for i in axes}] if axes else []
 

@@ -4,10 +4,9 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter
 from gravcomp.diagnosis.effects.base import Effect, needs_velocity
+from gravcomp.diagnosis.thresholds import AT_REST, TINY
 from gravcomp.robot.mechanics import Mechanics
 from gravcomp.robot.protocol import HasPassiveJoints
-
-_ROUNDING = 1e-9  # of the speed that the axes could give a joint: less is rest
 
 
 class PassiveJointFriction(Effect):
@@ -85,7 +84,7 @@ def friction_by_joint(jacobian, data) -> np.ndarray:
     """What friction of level one in each joint of a Jacobian (n, p, k) adds to the axes, (n, p, k)."""
     speed, unsure = _speeds(jacobian, data)
     # where v is read on a grid, a slow joint's sign is not sure: its mean over what v may be
-    return jacobian * np.clip(speed / np.maximum(unsure, 1e-300), -1.0, 1.0)[..., None]
+    return jacobian * np.clip(speed / np.maximum(unsure, TINY), -1.0, 1.0)[..., None]
 
 
 def _jacobian(data) -> np.ndarray:
@@ -106,5 +105,5 @@ def _speeds(jacobian, data) -> tuple[np.ndarray, np.ndarray]:
     """Speeds of the joints of a Jacobian (n, p, k), and the speeds below which their sign is not sure, (n, p) each."""
     speed = np.einsum("npk,nk->np", jacobian, data.v)
     unsure = np.einsum("npk,nk->np", np.abs(jacobian), data.dead_band)
-    unsure += _ROUNDING * np.linalg.norm(jacobian, axis=2) * np.linalg.norm(data.v, axis=1)[:, None]
+    unsure += AT_REST * np.linalg.norm(jacobian, axis=2) * np.linalg.norm(data.v, axis=1)[:, None]
     return speed, unsure

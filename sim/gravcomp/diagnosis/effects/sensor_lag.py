@@ -6,21 +6,25 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, axes_in
 from gravcomp.diagnosis.effects.base import Effect
+from gravcomp.diagnosis.thresholds import (
+    LAG_AGREE,
+    LAG_GRID,
+    LAG_LEVELS,
+    LAG_MATTERS,
+    LAG_OF_V,
+    LAG_REVERSAL,
+    LAG_REVERSALS,
+    LAG_ROWS,
+    LAG_SETTLED,
+    LAG_STEPS,
+    LAG_SURE,
+    LAG_TURNS,
+    MAD_TO_SIGMA,
+    SURELY_LESS,
+    TINY,
+)
 from gravcomp.logs.clock import derivative, usual_step
 from gravcomp.logs.measurement import Measurement, velocity_from_position
-
-_ROWS = 200
-_REVERSAL = 12  # rows on either side of a reversal that friction and lag share
-_SURE = 8.0  # standard errors of the lag
-_AGREE = 4.0, 0.25  # standard errors, part of the lag: axes that differ by more have no common lag
-_MATTERS = 0.3  # of the remainder: what the lag must take
-_STEPS = 1.5  # of the clock: a difference to the row before is half a step late, and hurts nobody
-_LATE_V = 0.03  # of the usual speed: what the lag of v must make of it
-_TURNS = 6  # Gauss-Newton, which a lag of a quarter of a period needs
-_SETTLED = 4.0  # lags after a reversal in which a filter, too, has settled
-_REVERSALS = 6  # fewer tell a lag from nothing
-_EVIDENCE = 30.0  # of jumps that come late, as twice a difference of log likelihoods
-_LEVELS, _LAGS = 4, 24  # of a search for it, each within two lags of the last
 
 
 class SensorLag(Effect):
@@ -47,20 +51,20 @@ class SensorLag(Effect):
         """From the smooth parts of a motion, where the model's effort changes and friction does not; where no model
         tells, as on a vertical axis, from the jumps of friction at reversals.
         """
-        if self.unavailable(data) or len(data.t_s) < _ROWS:
+        if self.unavailable(data) or len(data.t_s) < LAG_ROWS:
             return {}
         if not (np.ptp(data.nominal, axis=0) > 0.0).any():
             return _lag_of_jumps(data)
         found = _lags(data)
-        found = [(lag, error) for lag, error, part in found if abs(part) >= _MATTERS]
+        found = [(lag, error) for lag, error, part in found if abs(part) >= LAG_MATTERS]
         if not found:
             return {}
         lag, error = np.array(found).T
         common, own = _mean(lag, error)
-        agree = np.abs(lag - common) < np.maximum(_AGREE[0] * error, _AGREE[1] * abs(common))
-        if common < _SURE * own or not agree.all():
+        agree = np.abs(lag - common) < np.maximum(LAG_AGREE[0] * error, LAG_AGREE[1] * abs(common))
+        if common < LAG_SURE * own or not agree.all():
             return {}
-        for _ in range(_TURNS):  # the effort is that of tau before, which tau df/dt is for a short one only
+        for _ in range(LAG_TURNS):  # the effort is that of tau before, which tau df/dt is for a short one only
             rest = np.array([(lag, error) for lag, error, _ in _lags(_delayed(data, common))])
             if not len(rest):
                 break
@@ -82,7 +86,7 @@ class SensorLag(Effect):
             return late
         started = data.t_s[np.flatnonzero(data.is_first)][np.cumsum(data.is_first) - 1]
         before = (data.t_s - started < tau)[:, None]  # what came before the log is in no row
-        wide = int(np.ceil(_SETTLED * tau / usual_step(data.t_s, data.runs)))
+        wide = int(np.ceil(LAG_SETTLED * tau / usual_step(data.t_s, data.runs)))
         return replace(late, unsure=_near_reversal(late, wide) | before)
 
 
@@ -94,7 +98,7 @@ class VelocityLag(SensorLag):
 
     def seen_in(self, data):
         """Least squares of v beside dq/dt at t - tau and its derivative, for both."""
-        if data.v is None or not data.is_ordered or len(data.t_s) < _ROWS:
+        if data.v is None or not data.is_ordered or len(data.t_s) < LAG_ROWS:
             return {}
         slope = velocity_from_position(data.t_s, data.q, data.runs)
         step = usual_step(data.t_s, data.runs)
@@ -102,7 +106,7 @@ class VelocityLag(SensorLag):
         return {
             Parameter("tau_v", int(i)): (lag, 1.96 * error)
             for i, (lag, error, part) in found.items()
-            if lag > max(_STEPS * step, _SURE * error) and part > _LATE_V
+            if lag > max(LAG_STEPS * step, LAG_SURE * error) and part > LAG_OF_V
         }
 
 
@@ -111,7 +115,7 @@ def _lag_of_velocity(data: Measurement, i: int, slope: np.ndarray) -> tuple[floa
     t, v, lag, first = data.t_s, data.v[:, i], 0.0, data.runs == data.runs[0]
     t, v, slope = t[first], v[first], slope[first]
     turn = derivative(slope[:, None], t, np.zeros(len(t)), 0, lambda values, window: values)[:, 0]  # stamps repeat
-    for _ in range(_TURNS):
+    for _ in range(LAG_TURNS):
         x = np.column_stack([np.interp(t - lag, t, slope), -np.interp(t - lag, t, turn)])
         inverse = np.linalg.pinv(x.T @ x, rcond=1e-12)
         size, more = inverse @ (x.T @ v)
@@ -122,7 +126,7 @@ def _lag_of_velocity(data: Measurement, i: int, slope: np.ndarray) -> tuple[floa
     if left.std() > 0.3 * v.std():  # no copy of dq/dt, however late
         return 0.0, np.inf, 0.0
     error = float(np.sqrt(inverse[1, 1]) * left.std() / size)
-    return lag, error, float(lag * turn.std() / max(slope.std(), 1e-300))
+    return lag, error, float(lag * turn.std() / max(slope.std(), TINY))
 
 
 def _hastened(data: Measurement, parameters) -> Measurement:
@@ -161,7 +165,7 @@ def _lag_of_jumps(data: Measurement) -> dict[Parameter, tuple[float, float]]:
     """The lag at which sign(v), beside what is smooth, leaves least of the effort; all axes alike."""
     t, first = data.t_s, data.runs == data.runs[0]
     turns = np.abs(np.diff(np.sign(data.v[first]), axis=0)).astype(bool).sum(axis=0)
-    own = np.flatnonzero(turns >= _REVERSALS)
+    own = np.flatnonzero(turns >= LAG_REVERSALS)
     if not len(own):
         return {}
     t, v, r = t[first], data.v[first], (data.force - data.nominal)[first]
@@ -174,16 +178,16 @@ def _lag_of_jumps(data: Measurement) -> dict[Parameter, tuple[float, float]]:
         for i, q, y in zip(own, smooth, left, strict=True):
             jump = np.sign(np.interp(t - lag, t, v[:, i]))
             jump -= q @ (q.T @ jump)
-            total += len(t) * np.log(max(y @ y - (jump @ y) ** 2 / max(jump @ jump, 1e-300), 1e-300))
+            total += len(t) * np.log(max(y @ y - (jump @ y) ** 2 / max(jump @ jump, TINY), TINY))
         return total
 
     most = float(np.ptp(t) / turns.max() / 4.0)
-    lags = np.linspace(0.0, most, _LAGS)
-    for _ in range(_LEVELS):
+    lags = np.linspace(0.0, most, LAG_GRID)
+    for _ in range(LAG_LEVELS):
         scores = np.array([unlikely(lag) for lag in lags])
         best, near = lags[scores.argmin()], 2.0 * (lags[1] - lags[0])
-        lags = np.linspace(max(best - near, 0.0), min(best + near, most), _LAGS)
-    if best <= _STEPS * usual_step(data.t_s, data.runs) or unlikely(0.0) - scores.min() < _EVIDENCE:
+        lags = np.linspace(max(best - near, 0.0), min(best + near, most), LAG_GRID)
+    if best <= LAG_STEPS * usual_step(data.t_s, data.runs) or unlikely(0.0) - scores.min() < SURELY_LESS:
         return {}
     return {Parameter("tau_s"): (float(best), usual_step(data.t_s, data.runs) / 2.0)}
 
@@ -205,24 +209,24 @@ def _lag_of_axis(data: Measurement, i: int, slope: np.ndarray) -> tuple[float, f
     """Lag of one axis, its standard error, and what it makes in parts of what is left, beside all that a smooth effect
     could do; None where too few samples are left.
     """
-    use = ~_near_reversal(data, _REVERSAL)[:, i] & ~data.is_undecided[:, i] & data.is_motion
+    use = ~_near_reversal(data, LAG_REVERSAL)[:, i] & ~data.is_undecided[:, i] & data.is_motion
     direction, v, f = data.direction[:, i], data.v[:, i], data.nominal[:, i]
     beside = [np.ones(len(v)), direction, v, np.abs(f) * direction, data.q[:, i], f, data.acceleration[:, i]]
     if data.sensitivity is not None:
         beside += [*(data.sensitivity[:, i, :] * data.direction).T, *data.sensitivity[:, i, :].T]
     x = np.column_stack([-slope, *beside])[use]
     y = (data.force - data.nominal)[use, i]
-    if len(y) < _ROWS:
+    if len(y) < LAG_ROWS:
         return None
-    x = x / np.maximum(np.linalg.norm(x, axis=0), 1e-300) * np.sqrt(len(y))
+    x = x / np.maximum(np.linalg.norm(x, axis=0), TINY) * np.sqrt(len(y))
     for _ in range(2):  # once more without gross errors
         theta = np.linalg.lstsq(x, y, rcond=1e-8)[0]
         left = y - x @ theta
-        keep = np.abs(left) <= 5.0 * 1.4826 * np.median(np.abs(left)) + 1e-300
+        keep = np.abs(left) <= 5.0 * MAD_TO_SIGMA * np.median(np.abs(left)) + TINY
         x, y, left = x[keep], y[keep], left[keep]
     inverse = np.linalg.pinv(x.T @ x, rcond=1e-10)
-    lagged = left[1:] @ left[:-1] / max(left @ left, 1e-300)
+    lagged = left[1:] @ left[:-1] / max(left @ left, TINY)
     widened = (1 + max(lagged, 0.0)) / (1 - min(max(lagged, 0.0), 0.95))
     unit = np.sqrt(np.mean(slope[use] ** 2))
     error = np.sqrt(inverse[0, 0] * np.mean(left**2) * widened)
-    return theta[0] / unit, error / unit, theta[0] / max(left.std(), 1e-300)
+    return theta[0] / unit, error / unit, theta[0] / max(left.std(), TINY)

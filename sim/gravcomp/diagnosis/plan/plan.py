@@ -23,24 +23,26 @@ from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.effects import EFFECTS, effect_named
 from gravcomp.diagnosis.fit import fit_terms
 from gravcomp.diagnosis.search.gram import pseudo_inverse
-from gravcomp.diagnosis.thresholds import TIE, TINY, TRIFLE
+from gravcomp.diagnosis.thresholds import (
+    ENOUGH,
+    FEWEST_HOLDS,
+    MOST_HOLDS,
+    PLAN_NEAR,
+    PLAN_POOL,
+    PLAN_POSES,
+    PLAN_ROUNDING,
+    PLAN_ROWS,
+    PLAN_SPEEDS,
+    PLAN_STARTS,
+    PLAN_STROKES,
+    PLAN_WORTH,
+    TINY,
+    TRIFLE,
+)
 from gravcomp.logs.clock import usual_step
 from gravcomp.logs.joining import stacked
 from gravcomp.logs.measurement import Measurement
 from gravcomp.robot.protocol import PoseError
-
-# Score differences scatter by 2 sqrt(E): of 60 three deviations still leave more than the 9 of a tie.
-ENOUGH = 60.0
-_NEAR = 3.0 * TIE  # scores of rivals, fitted anew
-_ROUNDING = 1e-9  # in squares of the noise
-_POOL = 500  # holds to choose from
-_MOST_HOLDS, _FEWEST_HOLDS = 200, 30  # fewer hang on the names that the rivals happen to have
-_WORTH = 2.0 * TIE  # E that the best measurement must reach for two rivals to be worth one
-_SPEEDS = (1.0, 0.3, 0.1, 0.03)  # of the fastest in the log
-_STROKES = (1.0, 0.3, 0.1, 0.02)  # of the log's path, to and fro
-_STARTS = (0.25, 0.5, 0.75)  # along it
-_POSES = 8  # that a motion through the workspace passes
-_ROWS = (60, 120, 240, 480, 960, 1920)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +117,7 @@ def rivals(
             if fitted:
                 found.append(fitted)
     best = min((score for _, score in found), default=0.0)
-    near = [rival for rival, score in sorted(found, key=lambda pair: pair[1]) if score < best + _NEAR]
+    near = [rival for rival, score in sorted(found, key=lambda pair: pair[1]) if score < best + PLAN_NEAR]
     return [rival for rival in near if not any({*other.key} < {*rival.key} for other in near)]
 
 
@@ -124,7 +126,7 @@ def plan(data: Measurement, rivals: Sequence[Rival], noise: np.ndarray, reach: R
     is_motion, rng = bool(data.is_motion.mean() > 0.5), np.random.default_rng(seed)
     pool, run = _motions(data, reach, rng) if is_motion else (_holds(data, reach, rng), None)
     groups = [np.arange(len(pool.t_s))] if run is None else [np.flatnonzero(run == k) for k in range(run.max() + 1)]
-    contests = [c for c in _contests(data, pool, rivals, noise) if max(c.of(rows) for rows in groups) >= _WORTH]
+    contests = [c for c in _contests(data, pool, rivals, noise) if max(c.of(rows) for rows in groups) >= PLAN_WORTH]
     same = _not_told_apart(rivals, contests)
     if not contests:
         return Plan(None, is_motion, 0.0, None, same)
@@ -257,7 +259,7 @@ def _to_be_seen(difference: np.ndarray, tangent: np.ndarray, force: np.ndarray) 
     """
     x, y = tangent.reshape(-1, tangent.shape[-1]), difference.ravel()
     own = np.sum((y - x @ np.linalg.lstsq(x, y, rcond=1e-9)[0]) ** 2)
-    return float(max(np.sqrt(TRIFLE * np.sum(force**2) / own), 1.0)) if own > _ROUNDING else 1.0
+    return float(max(np.sqrt(TRIFLE * np.sum(force**2) / own), 1.0)) if own > PLAN_ROUNDING else 1.0
 
 
 def _changes(whole: Measurement, n: int) -> np.ndarray:
@@ -277,13 +279,13 @@ def _holds(data: Measurement, reach: Reach, rng: np.random.Generator) -> Measure
     """Holds of poses of the log and of the machine's reach, approached from either side of each axis, at several speeds
     up to the fastest.
     """
-    own = rng.integers(len(data.t_s), size=_POOL // 2)
+    own = rng.integers(len(data.t_s), size=PLAN_POOL // 2)
     q, nominal = data.q[own], data.nominal[own]
-    more = data.robot.workspace(_POOL // 2, int(rng.integers(2**31))) if data.robot is not None else (
-        rng.uniform(reach.low, reach.high, (_POOL // 2, data.n_axes)))  # fmt: skip
+    more = data.robot.workspace(PLAN_POOL // 2, int(rng.integers(2**31))) if data.robot is not None else (
+        rng.uniform(reach.low, reach.high, (PLAN_POOL // 2, data.n_axes)))  # fmt: skip
     if data.force_at is not None:
         q, nominal = np.vstack([q, more]), np.vstack([nominal, data.force_at(more)])
-    v = rng.choice([-1.0, 1.0], q.shape) * rng.choice(_SPEEDS, (len(q), 1)) * reach.speed
+    v = rng.choice([-1.0, 1.0], q.shape) * rng.choice(PLAN_SPEEDS, (len(q), 1)) * reach.speed
     t_s = data.t_s[-1] + usual_step(data.t_s, data.runs) * (1 + np.arange(len(q)))
     return _planned(data, t_s, q, v if data.has_velocity else None, nominal, np.zeros(len(q), int))
 
@@ -303,10 +305,10 @@ def _to_and_fro(data: Measurement, step: float) -> Iterator[tuple[np.ndarray, np
     """Positions and forces along the log's own path, where the machine has been."""
     path = np.flatnonzero(data.runs == np.bincount(data.runs).argmax())
     n = len(path)
-    for start, stroke, speed in product(_STARTS, _STROKES, _SPEEDS):
+    for start, stroke, speed in product(PLAN_STARTS, PLAN_STROKES, PLAN_SPEEDS):
         half = stroke * n * min(start, 1.0 - start)
         if half >= 2.0:
-            at = start * n + half * np.sin(speed * np.arange(min(_ROWS[-1], 4 * n)) / half)
+            at = start * n + half * np.sin(speed * np.arange(min(PLAN_ROWS[-1], 4 * n)) / half)
             yield tuple(np.column_stack([np.interp(at, np.arange(n), own) for own in values[path].T])
                         for values in (data.q, data.nominal))  # fmt: skip
 
@@ -315,16 +317,16 @@ def _sweeps(data: Measurement, reach: Reach, step: float, rng) -> Iterator[tuple
     """Positions and forces of motions through all of the reach; none where the model is not known there."""
     if data.force_at is None:
         return
-    rows = np.arange(_ROWS[-1])
-    for speed, wide in product(_SPEEDS[:3], (1.0, 0.5)):
+    rows = np.arange(PLAN_ROWS[-1])
+    for speed, wide in product(PLAN_SPEEDS[:3], (1.0, 0.5)):
         if data.robot is not None:
-            poses = data.robot.workspace(_POSES, int(rng.integers(2**31)))
+            poses = data.robot.workspace(PLAN_POSES, int(rng.integers(2**31)))
             poses = poses.mean(axis=0) + wide * (poses - poses.mean(axis=0))
-            spline = CubicSpline(np.arange(_POSES), poses)
+            spline = CubicSpline(np.arange(PLAN_POSES), poses)
             rate = speed * np.min(
-                reach.speed / np.maximum(np.abs(spline(np.linspace(0, _POSES - 1, 500), 1)).max(axis=0), TINY)
+                reach.speed / np.maximum(np.abs(spline(np.linspace(0, PLAN_POSES - 1, 500), 1)).max(axis=0), TINY)
             )
-            q = spline((_POSES - 1) * (0.5 - 0.5 * np.cos(2.0 * rate * step * rows / (_POSES - 1))))
+            q = spline((PLAN_POSES - 1) * (0.5 - 0.5 * np.cos(2.0 * rate * step * rows / (PLAN_POSES - 1))))
         else:
             half = wide * (reach.high - reach.low) / 2.0
             angle = speed * reach.speed / np.maximum(half, TINY) * step * rows[:, None]
@@ -347,7 +349,7 @@ def _fewest_holds(contests: Sequence[_Contest]):
     chosen: list[int] = []
     normal = [(c.gram.copy(), c.cross.copy()) for c in contests]
     evidence = np.zeros(len(contests))
-    while (evidence.min() < ENOUGH or len(chosen) < _FEWEST_HOLDS) and len(chosen) < _MOST_HOLDS:
+    while (evidence.min() < ENOUGH or len(chosen) < FEWEST_HOLDS) and len(chosen) < MOST_HOLDS:
         weakest = int(evidence.argmin())
         gain = _gains(contests[weakest], *normal[weakest])
         gain[chosen] = -1.0
@@ -372,7 +374,7 @@ def _shortest_motion(contests: Sequence[_Contest], motions: list[np.ndarray]):
     least E, and the rivals of it.
     """
     best = None
-    for n in _ROWS:
+    for n in PLAN_ROWS:
         for whole in motions:
             evidence = [contest.of(whole[:n]) for contest in contests]
             weakest = int(np.argmin(evidence))

@@ -9,11 +9,8 @@ from gravcomp.diagnosis.diagnosis import Diagnosis
 from gravcomp.diagnosis.fit import Entry
 from gravcomp.diagnosis.report.contributions import contributions, counted
 from gravcomp.diagnosis.report.summary import found_sentence, next_sentence
+from gravcomp.diagnosis.thresholds import JOINT_SHARE, TINY, WORST_APART, WORST_SHOWN
 from gravcomp.logs.measurement import Measurement
-
-_WORST = 5
-_JOINT = 0.005  # of the variance: less is not worth a line
-_APART = 0.05  # of the range: nearer poses are one place
 
 
 def errors(error: np.ndarray, force: np.ndarray) -> dict[str, float]:
@@ -30,7 +27,7 @@ def errors(error: np.ndarray, force: np.ndarray) -> dict[str, float]:
 
 def relative_percent(error: np.ndarray, force: np.ndarray) -> float:
     """100 norm(error)/norm(force), as identification papers give it."""
-    return float(100.0 * np.linalg.norm(error) / max(np.linalg.norm(force), 1e-300))
+    return float(100.0 * np.linalg.norm(error) / max(np.linalg.norm(force), TINY))
 
 
 def report(d: Diagnosis) -> dict:
@@ -93,7 +90,7 @@ def text(content: dict, seed: int) -> str:
         own = dict.fromkeys(item["variable"] for item in content["drivers"] if item["of"] == effect["name"])
         follows = f", follows {', '.join(own)}" if own else ""
         lines.append(f"  {effect['name']}: {100 * effect['share']:.1f} % of the residual's variance alone{follows}")
-    if abs(content["joint_share"]) >= _JOINT:
+    if abs(content["joint_share"]) >= JOINT_SHARE:
         lines.append(f"  {100 * content['joint_share']:.1f} % that several explain, each in the place of another")
     for item in content["drivers"]:
         if not item["of"]:
@@ -187,13 +184,13 @@ def _by_axis(d: Diagnosis) -> list[dict]:
 def _worst(d: Diagnosis) -> list[dict]:
     """Held-out samples where what is left is largest beside the noise of its axis, none twice at one place."""
     use = counted(d) & ~d.data.is_undecided
-    size = np.where(use, np.abs(d.after) / np.maximum(d.noise.sigma, 1e-300), 0.0)
+    size = np.where(use, np.abs(d.after) / np.maximum(d.noise.sigma, TINY), 0.0)
     where, out = d.data.scaled_positions, []
     for row in np.argsort(-size.max(axis=1)):
         axis = int(size[row].argmax())
-        if len(out) == _WORST or not size[row, axis]:
+        if len(out) == WORST_SHOWN or not size[row, axis]:
             break
-        if all(np.abs(where[row] - where[other]).max() > _APART for other, _ in out):
+        if all(np.abs(where[row] - where[other]).max() > WORST_APART for other, _ in out):
             out.append((int(row), axis))
     return [
         {"t_s": float(d.data.t_s[row]), "q": d.data.q[row].tolist(), "axis": axis + 1,

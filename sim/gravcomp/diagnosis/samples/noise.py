@@ -18,21 +18,23 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from gravcomp.diagnosis.thresholds import (
+    MAD_TO_SIGMA,
     NEAR_NEIGHBOUR,
+    NOISE_APART,
+    NOISE_CANDIDATES,
+    NOISE_GROUPS,
+    NOISE_LEAST,
+    NOISE_NEIGHBOURS,
+    NOISE_RISES,
+    NOISE_ROWS,
     NOISE_SAMPLES,
+    NOISE_SPEED,
     NOISE_STRIDE,
     NOISE_STRIDES,
     NOISE_WINSOR,
+    SAME_POSE,
 )
 from gravcomp.logs.measurement import Measurement
-
-_SPEED = 0.3  # weight of a speed beside a position: friction varies less with it
-_NEIGHBOURS, _CANDIDATES = 8, 100
-_APART = 0.02  # of the log: samples nearer in time are no repeats, their noise may be the same
-_SAMPLES = 2500  # decide a standard deviation to 2 %
-_SAME_POSE = 1e-3
-_LEAST = 0.3  # of the variance between nearest neighbours: what the line through them may leave at distance zero
-_GROUPS, _RISES = 10, 3.0  # stretches of the log, each left out once; standard errors by which a line surely rises
 
 
 @dataclass(frozen=True)
@@ -96,28 +98,28 @@ def _in_time(data: Measurement, i: int, r: np.ndarray, keep: np.ndarray) -> _Est
 def _in_pose(data: Measurement, i: int, r: np.ndarray, keep: np.ndarray, moving) -> _Estimate | None:
     """moving: axes whose direction and speed count, beside all positions."""
     rows = np.flatnonzero(keep)
-    rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), _SAMPLES)).astype(int)] if len(rows) else rows
+    rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), NOISE_ROWS)).astype(int)] if len(rows) else rows
     if len(rows) < NOISE_SAMPLES:
         return None
     where = _state(data, moving)[rows]
-    distance, near = cKDTree(where).query(where, min(_CANDIDATES, len(rows)))
-    apart = max(_APART * len(r), 2.0) if data.is_ordered else 1.0
+    distance, near = cKDTree(where).query(where, min(NOISE_CANDIDATES, len(rows)))
+    apart = max(NOISE_APART * len(r), 2.0) if data.is_ordered else 1.0
     is_other = np.abs(rows[near] - rows[:, None]) >= apart
     rank = np.cumsum(is_other, axis=1)
-    pairs = [np.nonzero(is_other & (rank == p)) for p in range(1, _NEIGHBOURS + 1)]
+    pairs = [np.nonzero(is_other & (rank == p)) for p in range(1, NOISE_NEIGHBOURS + 1)]
     pairs = [(row, column) for row, column in pairs if len(row) >= max(0.5 * len(rows), NOISE_SAMPLES)]
     if not pairs:
         return None
     away = [np.mean(distance[pair] ** 2) for pair in pairs]
     difference = [r[rows[row]] - r[rows[near[row, column]]] for row, column in pairs]
     half = [_scale(own) ** 2 / 2.0 for own in difference]
-    if np.sqrt(away[0]) < _SAME_POSE:
+    if np.sqrt(away[0]) < SAME_POSE:
         return _Estimate(float(np.sqrt(half[0])), "repeats of a pose")
     is_near = np.sqrt(away[0]) < NEAR_NEIGHBOUR
-    if len(half) < _NEIGHBOURS or (data.is_ordered and not is_near):  # a line through few passes goes too low
+    if len(half) < NOISE_NEIGHBOURS or (data.is_ordered and not is_near):  # a line through few passes goes too low
         return _Estimate(float(np.sqrt(half[0])), "neighbours in pose, far ones", False)
-    stretch = [row * _GROUPS // len(rows) for row, _ in pairs]
-    at_zero = max(_at_distance_zero(away, difference, stretch), _LEAST * half[0])
+    stretch = [row * NOISE_GROUPS // len(rows) for row, _ in pairs]
+    at_zero = max(_at_distance_zero(away, difference, stretch), NOISE_LEAST * half[0])
     source = "neighbours in pose and speed" if is_near else "neighbours in pose, far ones"
     return _Estimate(float(np.sqrt(at_zero)), source, bool(is_near))
 
@@ -134,9 +136,9 @@ def _at_distance_zero(away: list[float], difference: list[np.ndarray], stretch: 
         return float(np.mean(half)), float(np.mean(half) - np.polyval(np.polyfit(away, half, 1), 0.0))
 
     mean, rise = mean_and_rise(-1)
-    rises = np.array([mean_and_rise(group)[1] for group in range(_GROUPS)])
-    error = np.sqrt((_GROUPS - 1) * rises.var())
-    return mean - rise if rise > _RISES * error else mean
+    rises = np.array([mean_and_rise(group)[1] for group in range(NOISE_GROUPS)])
+    error = np.sqrt((NOISE_GROUPS - 1) * rises.var())
+    return mean - rise if rise > NOISE_RISES * error else mean
 
 
 def _state(data: Measurement, moving) -> np.ndarray:
@@ -145,14 +147,14 @@ def _state(data: Measurement, moving) -> np.ndarray:
     if data.has_velocity:
         own = list(moving)
         usual = np.quantile(np.abs(data.v[:, own]), 0.95, axis=0)
-        parts += [data.direction[:, own], _SPEED * data.v[:, own] / np.where(usual > 0.0, usual, 1.0)]
+        parts += [data.direction[:, own], NOISE_SPEED * data.v[:, own] / np.where(usual > 0.0, usual, 1.0)]
     return np.hstack(parts)
 
 
 def _scale(d: np.ndarray) -> float:
     """Root mean square of d (m,) with values beyond NOISE_WINSOR of it drawn in: the jumps of a few pairs."""
     size = np.abs(d)
-    scale = 1.4826 * np.median(size) or size.std()
+    scale = MAD_TO_SIGMA * np.median(size) or size.std()
     for _ in range(10):
         scale = np.sqrt(np.mean(np.minimum(size, NOISE_WINSOR * scale) ** 2))
     return float(scale)

@@ -3,11 +3,8 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from gravcomp.diagnosis.thresholds import GROSS, GROSS_SHARE, MAD_TO_SIGMA, TINY
+from gravcomp.diagnosis.thresholds import GROSS, GROSS_NEAR, GROSS_SHARE, GROSS_SIDE, MAD_TO_SIGMA, TINY
 from gravcomp.logs.measurement import Measurement
-
-_SIDE = 4  # samples looked at on either side along time
-_NEAR = 12  # samples looked at in pose, of which the two most extreme on either side don't count
 
 
 def spread(values: np.ndarray) -> np.ndarray:
@@ -22,7 +19,7 @@ def gross(data: Measurement, values: np.ndarray, rows: np.ndarray) -> np.ndarray
     deviations, and so few are that they can't be a part of the machine: a step, a stop, a jump at a reversal have
     neighbours of their kind.
     """
-    if len(rows) < 2 * _NEAR:
+    if len(rows) < 2 * GROSS_NEAR:
         return np.zeros(values.shape, bool)
     low, high = _beside(values) if data.is_ordered else _around(data.scaled_positions[rows], values)
     scale = np.maximum(spread(values), 1e-6 * spread(data.force[rows])) + TINY
@@ -33,14 +30,14 @@ def gross(data: Measurement, values: np.ndarray, rows: np.ndarray) -> np.ndarray
 
 def _beside(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Range of the medians before and after each sample."""
-    padded = np.pad(values, ((_SIDE, _SIDE), (0, 0)), mode="reflect")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, _SIDE, axis=0)
+    padded = np.pad(values, ((GROSS_SIDE, GROSS_SIDE), (0, 0)), mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, GROSS_SIDE, axis=0)
     before = np.median(windows[: len(values)], axis=-1)
-    after = np.median(windows[_SIDE + 1 : _SIDE + 1 + len(values)], axis=-1)
+    after = np.median(windows[GROSS_SIDE + 1 : GROSS_SIDE + 1 + len(values)], axis=-1)
     return np.minimum(before, after), np.maximum(before, after)
 
 
 def _around(positions: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    near = cKDTree(positions).query(positions, _NEAR + 1)[1][:, 1:]
+    near = cKDTree(positions).query(positions, GROSS_NEAR + 1)[1][:, 1:]
     ordered = np.sort(values[near], axis=1)
     return ordered[:, 2], ordered[:, -3]

@@ -6,14 +6,11 @@ import numpy as np
 
 from gravcomp.diagnosis.samples.outliers import spread
 from gravcomp.diagnosis.samples.timing import put_right
-from gravcomp.diagnosis.thresholds import LEAK, SIGN_GAIN, TINY, TWO_VALUED
+from gravcomp.diagnosis.thresholds import LEAK, SIGN_GAIN, TINY, TWO_VALUED, UNIT_FIT, UNIT_NEAR, UNIT_RIGHT
 from gravcomp.logs.measurement import Measurement, velocity_from_position
 
 _FACTORS = {1000.0: "a thousand times", 1e-3: "a thousandth of", 180.0 / np.pi: "in degrees, 57.3 times",
             np.pi / 180.0: "0.01745 times", 60.0 / (2 * np.pi): "in turns per minute, 9.55 times"}  # fmt: skip
-_FIT = 0.9  # correlation of v with dq/dt from which their ratio means something
-_RIGHT = 0.1  # ratio of v to dq/dt this near 1 is right
-_NEAR = 0.05  # of a known factor
 
 
 @dataclass(frozen=True)
@@ -51,14 +48,14 @@ def _velocity(data: Measurement) -> tuple[Measurement, list[str]]:
         if data.is_held[i]:
             continue
         size = np.sqrt((own @ own) * (told @ told))
-        if size == 0.0 or abs(own @ told) < _FIT * size:
+        if size == 0.0 or abs(own @ told) < UNIT_FIT * size:
             continue
         ratio = float(own @ told / (told @ told))
         if ratio < 0.0:
             notes.append(f"v{i + 1} has the wrong sign: dq{i + 1}/dt is its opposite; turned round")
             v[:, i], ratio = -own, -ratio
-        if abs(ratio - 1.0) > _RIGHT:
-            known = next((factor for factor in _FACTORS if abs(ratio / factor - 1.0) < _NEAR), None)
+        if abs(ratio - 1.0) > UNIT_RIGHT:
+            known = next((factor for factor in _FACTORS if abs(ratio / factor - 1.0) < UNIT_NEAR), None)
             if known:
                 notes.append(f"v{i + 1} is {_FACTORS[known]} dq{i + 1}/dt: a unit; divided by {known:.6g}")
                 v[:, i] /= known

@@ -3,13 +3,9 @@
 import numpy as np
 from sklearn.cluster import KMeans
 
+from gravcomp.diagnosis.thresholds import FEWEST_PLACES, MOST_HELD_OUT, REPEATED, TEST_SHARE
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
-
-TEST_SHARE = 0.25
-MOST_HELD_OUT = 0.5
-FEWEST_PLACES = 10  # distinct poses that a fit must have seen
-REPEATED = 0.7  # fewer poses than this part of the rows: they were held again
 
 
 def block_labels(data: Measurement, seed: int) -> np.ndarray:

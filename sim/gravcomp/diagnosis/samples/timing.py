@@ -5,20 +5,22 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 
+from gravcomp.diagnosis.thresholds import (
+    CLOCK_EVEN,
+    CLOCK_JITTER,
+    CLOCK_MISSING,
+    CLOCK_ROWS,
+    HELD_FRESH,
+    HELD_KEEPS_UP,
+    HELD_REGULAR,
+    TINY,
+)
 from gravcomp.logs.measurement import Measurement, velocity_from_position
-
-_ROWS = 60
-_JITTER = 0.05  # of the step: less hurts no derivative
-_MISSING = 3.0  # steps: a longer one has rows missing, and the clock is no straight line
-_EVEN_IS_BETTER = 0.5  # of what the positions are off beside their neighbours at the stamps
-_FRESH = 0.7  # values per stretch of equal ones: fewer are steps of a converter, not of a clock
-_REGULAR = 0.9  # of the stretches are as long as the usual one, or a row more or less
-_KEEPS_UP = 0.3  # of v dt: what the steps of held positions may be off; repeats of a hold announce no motion
 
 
 def put_right(data: Measurement) -> tuple[Measurement, list[str]]:
     """The log of a motion on an even clock, with held columns drawn between their fresh values or left out."""
-    if not data.is_ordered or len(data.t_s) < _ROWS:
+    if not data.is_ordered or len(data.t_s) < CLOCK_ROWS:
         return data, []
     is_derived = data.v is not None and np.array_equal(data.v, velocity_from_position(data.t_s, data.q, data.runs))
     notes: list[str] = []
@@ -39,11 +41,11 @@ def _even_clock(data: Measurement) -> tuple[Measurement, list[str]]:
         t, q = data.t_s[rows], data.scaled_positions[rows]
         step = np.diff(t)
         usual = np.median(step)
-        if len(rows) < _ROWS or step.std() < _JITTER * usual or step.max() > _MISSING * usual:
+        if len(rows) < CLOCK_ROWS or step.std() < CLOCK_JITTER * usual or step.max() > CLOCK_MISSING * usual:
             return data, []
-        part = (t[1:-1] - t[:-2]) / np.maximum(t[2:] - t[:-2], 1e-300)
+        part = (t[1:-1] - t[:-2]) / np.maximum(t[2:] - t[:-2], TINY)
         off = [np.std(q[1:-1] - q[:-2] - w[:, None] * (q[2:] - q[:-2])) for w in (part, np.full(len(part), 0.5))]
-        if off[1] > _EVEN_IS_BETTER * off[0]:
+        if off[1] > CLOCK_EVEN * off[0]:
             return data, []
         t_s[rows] = np.polyval(np.polyfit(np.arange(len(t)), t, 1), np.arange(len(t)))
         most = max(most, float(np.std(t - t_s[rows])))
@@ -80,7 +82,7 @@ def _held_efforts(data: Measurement) -> tuple[Measurement, list[str]]:
             usual, fresh = held
             keep &= np.isin(np.arange(len(keep)), fresh)
             notes.append(f"the effort of axis {i + 1} stands for {usual} rows at a time: its fresh rows are used")
-    if not notes or keep.sum() < _ROWS:
+    if not notes or keep.sum() < CLOCK_ROWS:
         return data, []
     arrays = {name: getattr(data, name) for name in ("t_s", "q", "v", "force", "nominal", "temp_c", "run", "unsure")}
     return replace(data, **{name: None if own is None else own[keep] for name, own in arrays.items()}), notes
@@ -94,8 +96,8 @@ def _rows_held(values: np.ndarray, runs: np.ndarray) -> tuple[int, np.ndarray] |
     if len(length) < 10 or np.median(length) < 2:
         return None
     usual = int(np.median(length))
-    is_regular = np.mean(np.abs(length - usual) <= 1) > _REGULAR
-    return (usual, fresh) if is_regular and len(np.unique(values)) > _FRESH * len(fresh) else None
+    is_regular = np.mean(np.abs(length - usual) <= 1) > HELD_REGULAR
+    return (usual, fresh) if is_regular and len(np.unique(values)) > HELD_FRESH * len(fresh) else None
 
 
 def _between(data: Measurement, values: np.ndarray, fresh: np.ndarray) -> np.ndarray:
@@ -115,7 +117,7 @@ def _is_motion(data: Measurement, i: int, fresh: np.ndarray) -> bool:
         return True
     step = np.diff(data.q[fresh, i])
     told = np.diff(np.interp(data.t_s[fresh], data.t_s, _integral(data.v[:, i], data.t_s)))
-    return bool(np.sum(np.abs(step - told)) < _KEEPS_UP * np.sum(np.abs(told)))
+    return bool(np.sum(np.abs(step - told)) < HELD_KEEPS_UP * np.sum(np.abs(told)))
 
 
 def _integral(v: np.ndarray, t_s: np.ndarray) -> np.ndarray:

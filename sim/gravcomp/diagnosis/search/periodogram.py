@@ -3,12 +3,22 @@
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-_GRID = 16384
-_MIN_CYCLES = 3.0
-_TREND_DEGREE = 6
-_MAX_CYCLES = 1000
-_MAX_LINES = 14
-_MAX_HARMONIC = 30
+from gravcomp.diagnosis.thresholds import (
+    DIVISORS,
+    LARGER_PITCH,
+    LINE_GRID,
+    LINE_MAX_CYCLES,
+    LINE_MIN_CYCLES,
+    LINE_ODDS,
+    LINE_RESOLUTION,
+    LINE_TREND,
+    MAX_LINES,
+    MAX_ORDER,
+    STEP_EDGE,
+    TINY,
+    TURN_RESOLUTION,
+    WHOLE_TURN,
+)
 
 
 def spectrum(x: np.ndarray, r: np.ndarray, max_cycles: float) -> tuple[np.ndarray, np.ndarray]:
@@ -17,21 +27,21 @@ def spectrum(x: np.ndarray, r: np.ndarray, max_cycles: float) -> tuple[np.ndarra
     x (n,) or (n, k). Binned on a fine grid, then one FFT per column; padding fourfold gives the quarter-cycle step.
     """
     x = np.broadcast_to(np.atleast_2d(x.T).T, r.shape)
-    span = max(np.ptp(x, axis=0).max(), 1e-300)
+    span = max(np.ptp(x, axis=0).max(), TINY)
     power = 0.0
     for k in range(r.shape[1]):
-        place = ((x[:, k] - x[:, k].min()) / span * (_GRID - 1)).round().astype(int)
-        binned = np.bincount(place, r[:, k] - r[:, k].mean(), _GRID)
-        power = power + np.abs(np.fft.rfft(binned, 4 * _GRID)) ** 2 / max(np.sum(r[:, k] ** 2), 1e-300)
-    f = np.arange(len(power)) / 4.0 / span * (_GRID - 1) / _GRID
-    keep = (f * span >= _MIN_CYCLES) & (f * span <= max_cycles)
+        place = ((x[:, k] - x[:, k].min()) / span * (LINE_GRID - 1)).round().astype(int)
+        binned = np.bincount(place, r[:, k] - r[:, k].mean(), LINE_GRID)
+        power = power + np.abs(np.fft.rfft(binned, 4 * LINE_GRID)) ** 2 / max(np.sum(r[:, k] ** 2), TINY)
+    f = np.arange(len(power)) / 4.0 / span * (LINE_GRID - 1) / LINE_GRID
+    keep = (f * span >= LINE_MIN_CYCLES) & (f * span <= max_cycles)
     return f[keep], power[keep]
 
 
-def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = _MAX_LINES) -> list[tuple[float, float]]:
+def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = MAX_LINES) -> list[tuple[float, float]]:
     """Significant spectral lines (frequency, power), strongest first, each removed before the next is sought."""
     n = len(r)
-    limit = min(_MAX_CYCLES, n / 3)
+    limit = min(LINE_MAX_CYCLES, n / 3)
     x = np.broadcast_to(np.atleast_2d(x.T).T, r.shape)
     if not np.ptp(x, axis=0).all():
         return []
@@ -43,7 +53,7 @@ def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = _MAX_LINES) -> lis
             break
         best = int(power.argmax())
         # chance of such a peak among all frequencies, white noise: power is a sum of unit exponentials
-        if power[best] < np.log(len(f)) + 7.0 + 2.0 * np.sqrt(r.shape[1] * np.log(len(f))) * (r.shape[1] > 1):
+        if power[best] < np.log(len(f)) + LINE_ODDS + 2.0 * np.sqrt(r.shape[1] * np.log(len(f))) * (r.shape[1] > 1):
             break
         frequency = _refine(x, rest, trends, f[best], f[1] - f[0])
         lines.append((frequency, float(power[best])))
@@ -54,7 +64,7 @@ def find_lines(x: np.ndarray, r: np.ndarray, max_lines: int = _MAX_LINES) -> lis
 def _trends(x: np.ndarray) -> list[np.ndarray]:
     """Per column of x an orthonormal basis (n, p) of its polynomials: what is smooth over the range is no ripple."""
     centred = (x - x.mean(axis=0)) / (np.ptp(x, axis=0) / 2)
-    return [np.linalg.qr(legvander(column, _TREND_DEGREE))[0] for column in centred.T]
+    return [np.linalg.qr(legvander(column, LINE_TREND))[0] for column in centred.T]
 
 
 def _without(trend: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -64,7 +74,7 @@ def _without(trend: np.ndarray, y: np.ndarray) -> np.ndarray:
 def step_in(t: np.ndarray, r: np.ndarray) -> float:
     """The time at which r (n,) most clearly changes its level."""
     total = np.cumsum(r - r.mean())
-    edge = max(len(r) // 20, 1)
+    edge = max(int(STEP_EDGE * len(r)), 1)
     left = np.arange(1, len(r) + 1)
     gain = total**2 / (left * np.maximum(len(r) - left, 1))
     k = edge + int(gain[edge:-edge].argmax())
@@ -87,27 +97,27 @@ def _refine(x, r, trends, frequency, step):
 
 
 def pitch_of(
-    lines: list[tuple[float, float]], span: float, turn: float | None, divisors: int = 6
+    lines: list[tuple[float, float]], span: float, turn: float | None, divisors: int = DIVISORS
 ) -> tuple[float, tuple[int, ...]] | None:
     """Pitch and harmonics that explain the lines: a full turn where the lines are whole orders of it, else the largest
-    fundamental of which the strong lines are multiples within the resolution 1/(4 span); the strongest line at least,
-    which is one of the first ``divisors`` harmonics.
+    fundamental of which the strong lines are multiples within the resolution of a scan, LINE_RESOLUTION/span; the
+    strongest line at least, which is one of the first ``divisors`` harmonics.
     """
     if not lines:
         return None
     f, power = np.array(lines).T
-    resolution = 0.3 / span
+    resolution = LINE_RESOLUTION / span
     bases = [f[0] / m for m in range(1, divisors + 1)]
-    if turn is not None and span > 0.9 * turn:
+    if turn is not None and span > WHOLE_TURN * turn:
         bases = [1.0 / turn]
-        resolution = 0.6 / span
+        resolution = TURN_RESOLUTION / span
 
     def fit(base):
         h = np.round(f / base)
-        ok = (np.abs(f - h * base) < resolution) & (h >= 1) & (h <= (_MAX_CYCLES if turn else _MAX_HARMONIC))
+        ok = (np.abs(f - h * base) < resolution) & (h >= 1) & (h <= (LINE_MAX_CYCLES if turn else MAX_ORDER))
         return power[ok].sum(), h[ok]
 
-    scores = [fit(base)[0] * (0.98**m) for m, base in enumerate(bases)]
+    scores = [fit(base)[0] * (LARGER_PITCH**m) for m, base in enumerate(bases)]
     base = bases[int(np.argmax(scores))]
     h = np.unique(fit(base)[1].astype(int))
     return (1.0 / base, tuple(int(k) for k in h)) if len(h) else None

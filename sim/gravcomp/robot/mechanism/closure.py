@@ -13,7 +13,7 @@ import numpy as np
 
 from gravcomp.errors import InputError
 from gravcomp.robot.mechanism.source import engine
-from gravcomp.robot.mechanism.tree import HINGE, SLIDE, Placement, Tree, rotation_matrix
+from gravcomp.robot.mechanism.tree import HINGE, SLIDE, Tree, TreePose, rotation_matrix
 from gravcomp.robot.protocol import PoseError
 
 _CLOSED = 1e-12  # residual, in units of the mechanism's size
@@ -28,11 +28,11 @@ _CHUNK = 2048
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """One equality between degrees of freedom dofs: of qpos and Placement, r (N, k) and dr per rate (N, k, nv)."""
+    """One equality between degrees of freedom dofs: of qpos and TreePose, r (N, k) and dr per rate (N, k, nv)."""
 
     dofs: np.ndarray
-    residual: Callable[[np.ndarray, Placement], np.ndarray]
-    jacobian: Callable[[np.ndarray, Placement], np.ndarray]
+    residual: Callable[[np.ndarray, TreePose], np.ndarray]
+    jacobian: Callable[[np.ndarray, TreePose], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,11 @@ class Closure:
         self.unit, self.axis_unit = (np.where(tree.is_turning[dofs], 1.0, self.size) for dofs in (self.passive, axes))
         self.reference = self._close_reference(reference, where)
 
-    def residual(self, qpos: np.ndarray, placement: Placement) -> np.ndarray:
+    def residual(self, qpos: np.ndarray, placement: TreePose) -> np.ndarray:
         """r (N, k), over the size of the mechanism."""
         return np.concatenate([loop.residual(qpos, placement) for loop in self.loops], axis=1) / self.size
 
-    def jacobian(self, qpos: np.ndarray, placement: Placement) -> np.ndarray:
+    def jacobian(self, qpos: np.ndarray, placement: TreePose) -> np.ndarray:
         """dr per rate of each degree of freedom, (N, k, nv)."""
         return np.concatenate([loop.jacobian(qpos, placement) for loop in self.loops], axis=1) / self.size
 
@@ -120,7 +120,7 @@ class Closure:
             qpos[left] = self._stepped(qpos[left], 0.0, step)
         return qpos, np.abs(total / self.unit).max(axis=1, initial=0.0), is_closed
 
-    def _passive_jacobian(self, qpos: np.ndarray, placement: Placement) -> np.ndarray:
+    def _passive_jacobian(self, qpos: np.ndarray, placement: TreePose) -> np.ndarray:
         return self.jacobian(qpos, placement)[..., self.passive] * self.unit
 
     def _tangent(self, qpos: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -18,7 +18,7 @@ from gravcomp.robot.fields import finite, text
 from gravcomp.robot.mechanism.closure import Closed, Closure, driven_loops
 from gravcomp.robot.mechanism.outward import holding_efforts
 from gravcomp.robot.mechanism.source import compile_model, sources
-from gravcomp.robot.mechanism.tree import BALL, FREE, HINGE, SLIDE, Placement, Tree
+from gravcomp.robot.mechanism.tree import BALL, FREE, HINGE, SLIDE, Tree, TreePose
 from gravcomp.robot.protocol import Bounds, Formula, PoseError
 from gravcomp.robot.ranges import (
     Box,
@@ -169,7 +169,7 @@ class Mechanism:
         columns = -np.einsum("c,ncv->nv", self.gravity_mps2, motion)[..., None]
         return self._along_axes(columns, closed)[..., 0].reshape(q.shape)
 
-    def _moment_columns(self, closed: Closed, placement: Placement, body: int) -> np.ndarray:
+    def _moment_columns(self, closed: Closed, placement: TreePose, body: int) -> np.ndarray:
         """V = -g . R s of a first moment s; along a turn about a, dV = -g . (a x R s)."""
         turning = self.tree.turning_jacobian(placement, body)
         columns = np.cross(self.gravity_mps2, turning, axisb=1, axisc=2) @ -placement.rotation[body]

@@ -16,7 +16,7 @@ FREE, BALL, SLIDE, HINGE = range(4)  # mujoco.mjtJoint
 
 
 @dataclass(frozen=True)
-class Placement:
+class TreePose:
     """Where a tree is at N configurations, base frame, m: rotation (B, N, 3, 3) and origin (B, N, 3) of the bodies,
     axis (nv, N, 3) and anchor (nv, N, 3) of the degrees of freedom."""
 
@@ -56,7 +56,7 @@ class Tree:
         """Mass that each degree of freedom moves, (nv,)."""
         return self.moves @ self.mass_kg
 
-    def place(self, qpos: np.ndarray) -> Placement:
+    def place(self, qpos: np.ndarray) -> TreePose:
         """All bodies and joints at configurations (N, nq)."""
         m, n = self.model, len(qpos)
         rotation, origin = np.empty((m.nbody, n, 3, 3)), np.zeros((m.nbody, n, 3))
@@ -69,7 +69,7 @@ class Tree:
             for joint in range(m.body_jntadr[body], m.body_jntadr[body] + m.body_jntnum[body]):
                 r, x = self._move(joint, qpos, r, x, axis, anchor)
             rotation[body], origin[body] = r, x
-        return Placement(rotation, origin, axis, anchor)
+        return TreePose(rotation, origin, axis, anchor)
 
     def _move(self, joint: int, qpos, r, x, axis, anchor):
         """Rotation and origin of a body after one of its joints; writes the joint's axes and anchors."""
@@ -115,7 +115,7 @@ class Tree:
         stretch = qpos[:, at] - self.model.qpos_spring[at]
         return -(self._first_moments(placement).sum(axis=0) @ gravity_mps2) + 0.5 * stretch**2 @ stiffness
 
-    def gradient(self, qpos: np.ndarray, placement: Placement, gravity_mps2: np.ndarray) -> np.ndarray:
+    def gradient(self, qpos: np.ndarray, placement: TreePose, gravity_mps2: np.ndarray) -> np.ndarray:
         """Derivative of the energy along each degree of freedom, (N, nv), N or N m: the effort that holds it."""
         behind = self._first_moments(placement)
         for body in range(self.model.nbody - 1, 0, -1):
@@ -128,7 +128,7 @@ class Tree:
         result[:, dof] += stiffness * (qpos[:, at] - self.model.qpos_spring[at])
         return result
 
-    def point_jacobian(self, placement: Placement, body: int, point_m: np.ndarray) -> np.ndarray:
+    def point_jacobian(self, placement: TreePose, body: int, point_m: np.ndarray) -> np.ndarray:
         """Velocity of a point (N, 3), fixed to a body, per rate of each degree of freedom, (N, 3, nv)."""
         dofs = np.flatnonzero(self.moves[:, body])
         result = np.zeros((len(point_m), 3, self.model.nv))
@@ -137,12 +137,12 @@ class Tree:
         result[:, :, dofs] = np.moveaxis(velocity, 0, 2)
         return result
 
-    def turning_jacobian(self, placement: Placement, body: int) -> np.ndarray:
+    def turning_jacobian(self, placement: TreePose, body: int) -> np.ndarray:
         """Angular velocity of a body, base frame, per rate of each degree of freedom, (N, 3, nv)."""
         turning = (self.moves[:, body] & self.is_turning)[:, None, None]
         return np.moveaxis(np.where(turning, placement.axis, 0.0), 0, 2)
 
-    def _first_moments(self, placement: Placement) -> np.ndarray:
+    def _first_moments(self, placement: TreePose) -> np.ndarray:
         """m r of each body, kg m, (B, N, 3)."""
         centre = placement.origin + (placement.rotation @ self.model.body_ipos[:, None, :, None])[..., 0]
         return self.mass_kg[:, None, None] * centre
