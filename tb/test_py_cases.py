@@ -192,6 +192,16 @@ def test_friction_keeps_its_name_beside_a_bump_where_the_model_is_constant(tmp_p
     assert found["verdict"] == "partly_explained"
 
 
+def test_drag_with_the_square_of_the_speed_is_no_viscous_friction(tmp_path):
+    """No larger than the noise: a line through it leaves a fifth of it, and the verdict said all was explained."""
+    t, q, v, noise = vertical()
+    drag = 0.3 * v * np.abs(v) / np.sqrt(np.mean(v**4))
+    found = diagnosed(tmp_path, log(t_s=t, q1_m=q, v1_mps=v, f1_n=40.0 + drag + noise, fm1_n=np.full(len(t), 40.0)))
+    assert names(found) == set()
+    assert found["verdict"] == "unexplained"
+    assert found["drivers"][0]["variable"] == "v1"
+
+
 @pytest.mark.parametrize(("factor", "words"), [(1000.0, ("v1", "thousand")), (-1.0, ("v1", "wrong sign"))])
 def test_velocity_is_checked_against_the_positions(tmp_path, factor, words):
     t, q, v, model, noise = arm()

@@ -7,6 +7,7 @@ from gravcomp.diagnosis.candidate import Candidate, Parameter, Regressor, Term
 from gravcomp.diagnosis.search.criterion import Criterion
 from gravcomp.diagnosis.search.gram import Gram
 from gravcomp.diagnosis.search.rules import Choice, _beaten, _simpler_axes, _without, certain
+from gravcomp.diagnosis.search.search import climb
 
 N, NOISE = 400, 0.1
 
@@ -38,7 +39,7 @@ def certain_of(effect: float, unknown: float, weak: float = 0.0) -> tuple[set[st
     gram = Gram(terms, force, np.ones((N, 1)), np.array([NOISE**2]), np.array([float(N)]))
     criterion = Criterion([own.term for own in terms], gram, 2, {})
     members = frozenset({0, 1, 2} if weak else {0, 2})
-    choice = certain(criterion, Choice(members, True), np.array([NOISE]))
+    choice = certain(criterion, Choice(members, True), np.array([NOISE]), {})
     return {criterion.terms[k].name for k in choice.members}, choice.is_physics_whole
 
 
@@ -64,25 +65,69 @@ class ByAxis(Named):
     name, is_by_axis = "by axis", True
 
 
-@pytest.mark.parametrize(("sizes", "unknown", "kept"), [
-    ((1.0, 4.0), 3.0, {1}),  # 17 against 9 as a whole; 1 against 9 on axis 1, where alone something has no name
-    ((2.0, 4.0), 2.0, {0, 1}),  # 20 against 4: five times
-])  # fmt: skip
-def test_name_that_is_too_weak_as_a_whole_is_asked_on_each_axis(sizes, unknown, kept):
-    """Sizes on two axes, and what has no name on axis 1, in units of the noise."""
+def axes_kept(sizes, unknown: float, imitable: float = 1.0, width: int = 1) -> set[int]:
+    """Axes of a name that is in the data with these sizes on two of them, in units of the noise, beside what has no
+    name on the first; width: coefficients on each axis.
+    """
     rng = np.random.default_rng(8)
-    own, other, noise = (rng.standard_normal((N, size)) for size in (2, 1, 2))
-    force = NOISE * (own * sizes + np.c_[unknown * other, 0.0 * other] + noise)
-    labels = (Parameter("x", 0), Parameter("x", 1))
-    zero = np.zeros((N, 1))
+    own, other, noise = (rng.standard_normal((N, size)) for size in (2 * width, 1, 2))
+    parts = np.c_[own[:, :width].sum(axis=1), own[:, width:].sum(axis=1)] / np.sqrt(width)
+    force = NOISE * (parts * sizes + np.c_[unknown * other, 0.0 * other] + noise)
+    labels = tuple(Parameter(f"x{k}", axis) for axis in (0, 1) for k in range(width))
+    zero = np.zeros((N, width))
     terms = [
-        Regressor(Term(ByAxis(), labels), (np.c_[own[:, :1], zero], np.c_[zero, own[:, 1:]])),
+        Regressor(Term(ByAxis(), labels), (np.c_[own[:, :width], zero], np.c_[zero, own[:, width:]])),
         Regressor(Term(Nameless(), (Parameter("y"),)), (other, None)),
     ]
     gram = Gram(terms, force, np.ones((N, 2)), np.full(2, NOISE**2), np.full(2, float(N)))
     criterion = Criterion([own.term for own in terms], gram, 1, {})
-    choice = certain(criterion, Choice(frozenset({0, 1}), False), np.full(2, NOISE))
-    assert {label.axis for k in criterion.effects_of(choice.members) for label in criterion.terms[k].labels} == kept
+    part = {"by axis": np.array([imitable, 1.0])}
+    choice = certain(criterion, Choice(frozenset({0, 1}), False), np.full(2, NOISE), part)
+    return {label.axis for k in criterion.effects_of(choice.members) for label in criterion.terms[k].labels}
+
+
+@pytest.mark.parametrize(("sizes", "unknown", "kept"), [
+    ((1.0, 4.0), 3.0, {1}),  # 17 against 9 as a whole; 1 against 9 on axis 1, where alone something has no name
+    ((3.0, 4.0), 2.5, {0, 1}),  # 25 against 6.2: four times, and more than once on axis 1
+    ((1.5, 8.0), 2.5, {1}),  # eleven times, but on axis 1 a third of what has no name there
+])  # fmt: skip
+def test_name_is_asked_on_each_axis_and_for_more_where_it_is_weak_as_a_whole(sizes, unknown, kept):
+    """Sizes on two axes, and what has no name on axis 1, in units of the noise."""
+    assert axes_kept(sizes, unknown) == kept
+
+
+def test_name_is_asked_beside_what_it_could_be_a_part_of_alone():
+    """2.2 against 9, of which a tenth goes with the direction."""
+    assert axes_kept((1.5, 4.0), 3.0) == {1}
+    assert axes_kept((1.5, 4.0), 3.0, imitable=0.1) == {0, 1}
+
+
+@pytest.mark.parametrize(("width", "kept"), [(1, {0, 1}), (4, {1})])
+def test_name_with_as_many_coefficients_as_a_table_has_to_hold_on_every_axis(width, kept):
+    """9 against 6.2 on axis 1, where the noise may be as low as its estimate is sure to be; twenty times as a whole."""
+    assert axes_kept((3.0, 10.0), 2.5, width=width) == kept
+
+
+class Fragile(Nameless):
+    """Refused by physics: its one coefficient can only be positive."""
+
+    name = "fragile"
+
+    def contrasts(self, labels):
+        return [{label: 1.0} for label in labels]
+
+
+def test_candidates_that_physics_refuses_leave_their_place_to_the_next():
+    """Thirty columns that fit better, all with a sign that they cannot have, before the one that helps."""
+    rng = np.random.default_rng(9)
+    x = rng.standard_normal((N, 1))
+    refused = [Regressor(Term(Fragile(), (Parameter("x"),)), (-x + 0.01 * rng.standard_normal((N, 1)),))
+               for _ in range(30)]  # fmt: skip
+    helps = Regressor(Term(Nameless(), (Parameter("y"),)), (x + 0.3 * rng.standard_normal((N, 1)),))
+    force = x + NOISE * rng.standard_normal((N, 1))
+    gram = Gram([*refused, helps], force, np.ones((N, 1)), np.array([NOISE**2]), np.array([float(N)]))
+    criterion = Criterion([own.term for own in (*refused, helps)], gram, 0, {})
+    assert climb(criterion, frozenset(), criterion.corrections) == {30}
 
 
 class Simple(Candidate):

@@ -110,6 +110,19 @@ class Line(Correction):
         return self.variables[0].of(data)[rows][:, None]
 
 
+class Square(Correction):
+    """A variable times its size, x |x|: drag that grows faster than the speed, an effort that saturates."""
+
+    kind = "square"
+
+    def n_values(self):
+        return 1 if not self.shape else 0
+
+    def regressors(self, data, rows=slice(None)):
+        x = self.variables[0].of(data)[rows]
+        return (x * np.abs(x))[:, None]
+
+
 class Product(Correction):
     """Two variables, multiplied."""
 
@@ -184,7 +197,7 @@ class Surface(Correction):
         return PolynomialFeatures(SURFACE_DEGREE).fit_transform((data.q[rows] - centre) / half)
 
 
-KINDS = {kind.kind: kind for kind in (Table, Line, Product, Wave, Step, Hinge, Surface)}
+KINDS = {kind.kind: kind for kind in (Table, Line, Square, Product, Wave, Step, Hinge, Surface)}
 
 
 def candidates(data: Measurement) -> list[Correction]:
@@ -199,6 +212,8 @@ def candidates(data: Measurement) -> list[Correction]:
             if variable.kind == "dir":
                 continue
             is_own = variable.axis == axis
+            if is_own and variable.kind in ("v", "f"):
+                out.append(Square(axis, (variable,)))
             fine = (30,) if n >= 600 and is_own and variable.kind == "q" else ()
             for size in sizes + fine:
                 knots = _knots(variable.of(data), size)

@@ -18,6 +18,7 @@ from gravcomp.diagnosis.effects import EFFECTS, Effect, effect_named
 from gravcomp.diagnosis.fit import Entry, Fit, fit_terms
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.samples import outliers, sensors, split
+from gravcomp.diagnosis.samples.halves import Neighbours
 from gravcomp.diagnosis.samples.noise import Noise, model_free
 from gravcomp.diagnosis.search.criterion import Criterion
 from gravcomp.diagnosis.search.gram import Gram
@@ -158,11 +159,21 @@ def _read(data: Measurement, of_sensors: list[Entry], model: Model, train, block
     tick("fit")
     fit = _fit(data, before, train, blocks, found, model.known)
     noise = model_free(data, before - fit.predict(data), ~data.is_undecided)
-    choice = certain(found.criterion, found.choice, noise.sigma)
+    choice = certain(
+        found.criterion, found.choice, noise.sigma, _imitable(data, before, _search_rows(train), fit, noise)
+    )
     if choice != found.choice:
         found = replace(found, choice=choice)
         fit = _fit(data, before, train, blocks, found, model.known)
     return _Attempt(data, of_sensors, before, found, fit, before - fit.predict(data))
+
+
+def _imitable(data: Measurement, before, rows, fit: Fit, noise: Noise) -> dict[str, np.ndarray]:
+    """By name of an effect the part (k,) of what effects leave that is of the halves, by direction, that it has."""
+    forces = {entry.name: entry.force(data) for entry in fit.effects}
+    near, silent = Neighbours.of(data, rows), np.zeros(data.n_axes)
+    rest = near.halves(before - sum(forces.values(), np.zeros(data.shape)), noise.sigma)
+    return {name: rest.shared_with(near.halves(force, silent)) for name, force in forces.items()}
 
 
 def _best(attempts: list[_Attempt], train: np.ndarray) -> _Attempt:

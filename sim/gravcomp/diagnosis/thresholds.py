@@ -18,7 +18,7 @@ SCAN_PRICE = 14.0  # 2 log of the thousand frequencies scanned
 # Sets of terms
 TIE = 9.0  # scores this close cannot be told apart: odds of exp(9/2), about 90
 NEGATIVE_Z = 3.0  # a coefficient that physics makes positive is refused beyond three standard errors below zero
-MAX_TERMS = 14  # as many as 3 axes have ever needed; bounds the time
+MAX_TERMS, TERMS_PER_AXIS = 14, 5  # as many as 3 axes have ever needed, and of more axes each; bounds the time
 CANCELLATION = 3.0  # single terms may have this many times the energy of their sum; tuned
 TRIFLE = 0.005  # of the energy explained: an effect below may imitate an error of the others; tuned
 TRIFLE_LEFT = 0.1  # of the energy left: an effect that takes more is none, however small beside the rest; tuned
@@ -31,6 +31,7 @@ VAGUE = 4  # names: beside corrections one with more rivals says nothing; tuned
 SAME_COLUMN = 1.0 - 1e-9  # correlation of two regressors that are one
 SAME_SCORE = 1e-6  # what lies within the span of the other terms adds nothing
 PROMISING = 20  # candidates of a move that are scored exactly; more changed no outcome on tuned seeds
+REFUSED = 60  # of them that physics may refuse before a move is given up: a real arm's best twenty all were
 BEAM_WIDTH, BEAM_DEPTH = 4, 4  # sets that go on, and terms they are led by; bounds the time
 FOLDS = 4  # of a cross-validation within the training
 SURFACE_DEGREE = 3  # of a smooth function of all positions
@@ -69,6 +70,7 @@ REPEATED = 0.7  # fewer poses than this part of the rows: they were held again
 
 # The noise that no model made, and what the remainder may be
 NOISE_SAMPLES = 24  # differences: their deviation is known to 15 %
+NOISE_AT_LEAST = 0.85  # of its estimate: that error
 NOISE_STRIDE, NOISE_STRIDES = 0.03, 6  # of the range, and samples: a pose that moved less is the same; tuned
 NOISE_WINSOR = 5.0  # Student's t of 4 degrees has 0.7 % beyond, which count; jumps at reversals are larger
 NEAR_NEIGHBOUR = 0.1  # of the range: through farther ones no line can be drawn to distance zero; tuned

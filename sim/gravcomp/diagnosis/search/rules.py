@@ -1,12 +1,13 @@
 """What the criterion alone does not say: which set to name, when physics is the whole story, what is ambiguous."""
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from gravcomp.diagnosis.search.criterion import Criterion, Members
-from gravcomp.diagnosis.search.search import EMPTY, beam, climb, exchange, fits, promising
+from gravcomp.diagnosis.search.search import EMPTY, additions, beam, climb, exchange, fits
 from gravcomp.diagnosis.thresholds import (
     AS_A_TABLE,
     BESIDE_CORRECTION,
@@ -14,6 +15,7 @@ from gravcomp.diagnosis.thresholds import (
     IMPOSSIBLE,
     MISSED,
     NAMED_BESIDE,
+    NOISE_AT_LEAST,
     PHYSICAL_PRICE,
     REMAINDER,
     SAME_SCORE,
@@ -81,7 +83,7 @@ def _beaten(criterion: Criterion, effects: Members) -> set[tuple[str, int]]:
                 continue
             rest = frozenset(_without(criterion, effects, {(criterion.terms[k].name, axis)}))
             there = [j for j in criterion.corrections if criterion.terms[j].candidate.axis == axis]
-            others = [rest | {j} for j in promising(criterion, rest, there)]
+            others = additions(criterion, rest, there)
             if min(map(criterion.score, others), default=own) < own - TIE:
                 out.add((criterion.terms[k].name, axis))
     return out
@@ -98,21 +100,27 @@ def _without(criterion: Criterion, terms, beaten: set[tuple[str, int]]) -> list[
     return out
 
 
-def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:
+def certain(criterion: Criterion, choice: Choice, noise: np.ndarray, imitable: Mapping[str, np.ndarray]) -> Choice:
     """The choice without names that could imitate a part of what no name accounts for.
 
     noise (k,): what no model made. Where effects leave more than REMAINDER times that, each has to account for
     NAMED_BESIDE times what they leave of it, beside the other effects; the weakest goes first. An effect of single axes
-    is asked on each of them: what is unknown of a shoulder is no doubt about a wrist.
+    is asked on each of them: what is unknown of a shoulder is no doubt about a wrist. imitable (k,), by name: the part
+    of what is left that the effect could be a part of at all; a friction is no part of what is the same both ways.
     """
     members, floor = choice.members, criterion.gram.independent * np.square(noise)
     while effects := criterion.effects_of(members):
-        unnamed = np.maximum(criterion.left_by_axis(effects) - floor, 0.0)
-        if unnamed.sum() < (REMAINDER**2 - 1.0) * floor.sum():
+        left = criterion.left_by_axis(effects)
+        if np.maximum(left - floor, 0.0).sum() < (REMAINDER**2 - 1.0) * floor.sum():
             break
-        doubts = [own for k in sorted(effects) for own in _doubts(criterion, effects, k, unnamed, floor)]
+        every = np.ones(len(floor))
+        doubts = [
+            own
+            for k in sorted(effects)
+            for own in _doubts(criterion, effects, k, left, floor, imitable.get(criterion.terms[k].name, every))
+        ]
         worth, k, part = min(doubts, key=lambda own: own[0], default=(np.inf, 0, None))
-        if worth >= NAMED_BESIDE:
+        if worth >= 1.0:
             break
         members = (members - {k}) | ({part} if part is not None else EMPTY)
     if members == choice.members:
@@ -122,23 +130,28 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray) -> Choice:
     return Choice(members, choice.is_physics_whole and _is_whole(criterion, effects, members))
 
 
-def _doubts(criterion: Criterion, effects: Members, k: int, unnamed: np.ndarray, floor: np.ndarray):
-    """What effect k accounts for beside the others, in parts of what is unnamed, with the part of it that stays
-    without that (None: nothing): the whole; of an effect of single axes that is too little as a whole, axis by axis,
-    where anything is unnamed on the axis.
+def _doubts(criterion: Criterion, effects: Members, k: int, left: np.ndarray, floor: np.ndarray, imitable):
+    """What effect k accounts for beside the others, in parts of what it must, with the part of it that stays without
+    that (None: nothing): the whole, which must account for NAMED_BESIDE times what is unnamed. Of an effect of single
+    axes each axis where anything is: it must do the same there where the whole does not, or where it has as many
+    coefficients there as a table, which imitate much (then the noise may be as low as its estimate is sure to be); else
+    it must account for as much as is unnamed.
     """
-    term, own = criterion.terms[k], criterion.left(effects)
-    whole = (criterion.left(effects - {k}) - own) / max(unnamed.sum(), TINY)
-    axes = sorted({label.axis for label in term.labels} - {None}) if term.candidate.is_by_axis else []
-    if not axes or whole >= NAMED_BESIDE:
+    term, own, unnamed = criterion.terms[k], criterion.left(effects), np.maximum(left - floor, 0.0) * imitable
+    whole = (criterion.left(effects - {k}) - own) / max(unnamed.sum(), TINY) / NAMED_BESIDE
+    axes = Counter(label.axis for label in term.labels) if term.candidate.is_by_axis else {}
+    if not axes:
         return [(whole, k, None)]
     out = []
-    for axis in axes:
+    for axis, size in axes.items():
         kept = tuple(label for label in term.labels if label.axis != axis)
         part = criterion.part(k, kept) if kept else None
         fewer = (effects - {k}) | ({part} if kept else EMPTY)
-        if unnamed[axis] > (REMAINDER**2 - 1.0) * floor[axis]:
-            out.append(((criterion.left(fewer) - own) / unnamed[axis], k, part))
+        is_table = size >= AS_A_TABLE
+        there = (left[axis] - NOISE_AT_LEAST**2 * floor[axis]) * imitable[axis] if is_table else unnamed[axis]
+        if there > (REMAINDER**2 - 1.0) * floor[axis] or (is_table and there > 0.0):
+            least = 1.0 if whole >= 1.0 and not is_table else NAMED_BESIDE
+            out.append(((criterion.left(fewer) - own) / there / least, k, part))
     return out
 
 

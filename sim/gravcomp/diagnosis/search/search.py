@@ -1,9 +1,20 @@
 """Moves through the sets of terms to one of a low score: a beam from nothing, then single changes while they help."""
 
+from itertools import islice
+
 import numpy as np
 
 from gravcomp.diagnosis.search.criterion import Criterion, Members
-from gravcomp.diagnosis.thresholds import BEAM_DEPTH, BEAM_WIDTH, MAX_TERMS, PROMISING, TINY
+from gravcomp.diagnosis.thresholds import (
+    BEAM_DEPTH,
+    BEAM_WIDTH,
+    IMPOSSIBLE,
+    MAX_TERMS,
+    PROMISING,
+    REFUSED,
+    TERMS_PER_AXIS,
+    TINY,
+)
 
 EMPTY: Members = frozenset()
 
@@ -28,11 +39,11 @@ def beam(criterion: Criterion, allowed) -> Members:
 
 def climb(criterion: Criterion, members: Members, allowed, locked: Members = EMPTY) -> Members:
     """Add or drop one term while that lowers the score; locked ones stay."""
+    most = max(MAX_TERMS, TERMS_PER_AXIS * len(criterion.gram.energy))
     while True:
         moves = [members - {k} for k in members - locked]
-        if len(members) < MAX_TERMS:
-            new = [k for k in allowed if fits(criterion, members, k)]
-            moves += [members | {k} for k in promising(criterion, members, new)]
+        if len(members) < most:
+            moves += additions(criterion, members, allowed)
         best = min(moves, key=criterion.score, default=members)
         if criterion.score(best) >= criterion.score(members):
             return members
@@ -44,18 +55,18 @@ def exchange(criterion: Criterion, members: Members, allowed) -> Members:
     while True:
         moves = []
         for j in members:
-            rest = members - {j}
-            new = [k for k in promising(criterion, rest, allowed) if k != j and fits(criterion, rest, k)]
-            moves += [rest | {k} for k in new]
+            moves += additions(criterion, members - {j}, [k for k in allowed if k != j])
         best = min(moves, key=criterion.score, default=members)
         if criterion.score(best) >= criterion.score(members):
             return members
         members = climb(criterion, best, allowed)
 
 
-def promising(criterion: Criterion, members: Members, candidates) -> list[int]:
-    """The candidates that would lower the residual most for their cost, where an exact score would need one each."""
-    gram, candidates = criterion.gram, list(candidates)
+def additions(criterion: Criterion, members: Members, candidates) -> list[Members]:
+    """The set with one candidate more: those that would lower the residual most for their cost, where an exact score
+    would need one each. What physics refuses leaves its place to the next.
+    """
+    gram, candidates = criterion.gram, [k for k in candidates if fits(criterion, members, k)]
     m = gram.independent
     unit = criterion.left(members) / max(float(m @ gram.variance), TINY)
     gains = gram.gains(criterion.index(members), [criterion.place[k] for k in candidates])
@@ -63,4 +74,6 @@ def promising(criterion: Criterion, members: Members, candidates) -> list[int]:
         k: gain / unit - rank * np.log(m.sum()) - criterion.terms[k].candidate.price
         for k, (gain, rank) in zip(candidates, gains, strict=True)
     }
-    return sorted(candidates, key=worth.get, reverse=True)[:PROMISING]
+    ranked = sorted(candidates, key=worth.get, reverse=True)[: PROMISING + REFUSED]
+    possible = (members | {k} for k in ranked if criterion.score(members | {k}) < IMPOSSIBLE)
+    return list(islice(possible, PROMISING))
