@@ -30,6 +30,10 @@ PLANTED = [
          "writes_are_answered"),
         ("s_axil_bvalid <= '1';", "s_axil_bvalid <= not cpuif_req;", "write_response_holds"),
     ]),
+    ("quad_decoder", "gc_quad_decoder", [
+        ("step_illegal <= '0';\n      step_lost <= lost", "step_lost <= lost", "speed_meter_is_told_of_each_edge"),
+        ("z_1 <= valid(2) and level(2);", "z_1 <= valid(1) and level(2);", "index_is_watched_once_it_is_known"),
+    ]),
     ("safety", "gc_brake_sequencer", [
         ("=> '0');\n      if next_v = state_run_c then", "=> '0');\n      if next_v /= state_braked_c then",
          "brakes_are_engaged_but_in_run"),

@@ -26,7 +26,7 @@ module quad_decoder #(
   wire count_valid, direction, speed_valid, speed_zero, referenced, illegal, glitch;
   wire [31:0] count, speed_period;
   (* hierconn *) wire [2:0] \dut.valid , \dut.level , \dut.dropped ;
-  (* hierconn *) wire \dut.lost_cycle , \dut.lost_index , \dut.broken ;
+  (* hierconn *) wire \dut.lost_cycle , \dut.lost_index , \dut.broken , \dut.step_valid , \dut.step_illegal , \dut.z_1 ;
 
   gc_quad_decoder dut (
       .clk(clk), .rst(rst), .a(a), .b(b), .z(z), .error(error), .cfg_home_enable(cfg_home_enable),
@@ -81,6 +81,9 @@ module quad_decoder #(
   // Homing: z = '0' was seen in the index phase since it began.
   reg enable_1 = 0, low = 0, low_1 = 0;
 
+  // An index whose filter knows its level, a clock before.
+  reg index_1 = 0;
+
   always @(posedge clk) begin
     pins_1 <= {b, a};
     pins_2 <= pins_1;
@@ -117,6 +120,7 @@ module quad_decoder #(
     enable_1 <= cfg_home_enable && !rst;
     low <= cfg_home_enable && enable_1 && (low || \dut.valid [2] && !\dut.level [2] && level == 2'b11);
     low_1 <= low;
+    index_1 <= \dut.valid [2] && \dut.level [2];
   end
 
   wire homed = referenced && !referenced_1;
@@ -124,12 +128,15 @@ module quad_decoder #(
   wire follows = seen && !rst_1 && valid_1;
 
   always @* begin
+    index_is_watched_once_it_is_known : assert (!seen || \dut.z_1 == index_1);
     if (follows && !homed) begin
       moves_by_at_most_one : assert (count == count_1 || count == plus_1 || count == minus_1);
       counts_every_edge : assert (count == (passed_1 == UP ? plus_1 : passed_1 == DOWN ? minus_1 : count_1));
       direction_is_that_of_the_edge : assert (passed_1 != UP && passed_1 != DOWN || direction == (passed_1 == UP));
     end
     if (follows) begin
+      speed_meter_is_told_of_each_edge :
+      assert (\dut.step_valid == (passed_1 == UP || passed_1 == DOWN) && \dut.step_illegal == (passed_1 == BOTH));
       illegal_edge_is_flagged : assert (passed_1 != BOTH || illegal);
       what_is_told_is_flagged : assert (!told_1 || illegal);
       error_is_flagged : assert (!error_3 || illegal);
