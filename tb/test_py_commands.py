@@ -1,6 +1,9 @@
 """The command line: what it lists, and that no command imports what it does not use."""
 
+import errno
+import os
 import pkgutil
+import shutil
 import subprocess
 import sys
 
@@ -9,7 +12,9 @@ import pytest
 
 import gravcomp.commands
 from gravcomp import __version__, cli
+from gravcomp.commands import rom
 from gravcomp.errors import InputError, optional
+from gravcomp_lab.shipped import SPHEIRO
 
 # numpy, and what is larger.
 HEAVY = {"numpy", "scipy", "pandas", "sklearn", "joblib", "jinja2", "matplotlib", "mujoco", "cocotb", "cocotb_tools"}
@@ -83,3 +88,70 @@ def test_missing_extra_is_one_line_that_tells_the_package(monkeypatch):
         InputError, match=r"^cocotb is not installed, and a simulation needs it; start `\S+ -m pip install cocotb`$"
     ):
         optional("cocotb_tools.runner", "cocotb", "a simulation")
+
+
+def started(*arguments: str, **streams) -> subprocess.CompletedProcess:
+    """The command line in a process of its own, as its streams and signals are."""
+    return subprocess.run([sys.executable, "-m", "gravcomp", *arguments], stderr=subprocess.PIPE, text=True,
+                          check=False, **streams)  # fmt: skip
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("formats", "--weights", str(SPHEIRO))])
+def test_full_disk_behind_standard_output_is_one_line(arguments):
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = started(*arguments, stdout=full)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "standard output: No space left on device; check" in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("formats", "--weights", str(SPHEIRO))])
+def test_reader_that_has_had_enough_is_no_error(arguments):
+    read, write = os.pipe()
+    os.close(read)
+    done = started(*arguments, stdout=write)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_interrupt_is_one_line_with_the_status_of_a_shell(monkeypatch, capsys):
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(rom, "run", interrupted)
+    assert cli.main(["rom", "--weights", str(SPHEIRO)]) == 130
+    assert capsys.readouterr().err == "gravcomp rom: stopped; a file is written whole or not at all\n"
+
+
+def test_error_of_a_file_that_no_command_expects_is_one_line(monkeypatch, capsys):
+    def refused(_):
+        raise PermissionError(errno.EACCES, "Permission denied", "mine.csv")
+
+    monkeypatch.setattr(rom, "run", refused)
+    assert cli.main(["rom", "--weights", str(SPHEIRO)]) == 2
+    assert capsys.readouterr().err.startswith("gravcomp rom: mine.csv: Permission denied; check ")
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("a b", "a b"), ("größe 机", "größe 机"), ("a\nb", "a\\nb"), (b"a\xffb", "a\\udcffb")]
+)
+def test_machine_folder_may_have_any_name(name, told, tmp_path, capsys):
+    folder = tmp_path / os.fsdecode(name)
+    shutil.copytree(SPHEIRO, folder)
+    assert cli.main(["rom", "--weights", str(folder), "--out", str(tmp_path / "out")]) == 0
+    for file in ("gc_network_pkg.vhd", "gc_compensation_pkg.vhd", "gravcomp_machine.h"):
+        lines = (tmp_path / "out" / file).read_text(encoding="utf-8").splitlines()
+        assert [line for line in lines if f"from weights/{told}" in line and "edit." in line]
+    assert cli.main(["rom", "--weights", str(folder), "--out", str(tmp_path / "out"), "--check"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    "provenance", ["[" * 100_000, '{"machine": {"trained_on": 5}}', '{"machine": {"trained_on": [5]}}']
+)
+def test_provenance_that_is_none_is_one_line(provenance, tmp_path, capsys):
+    shutil.copytree(SPHEIRO, tmp_path / "mine")
+    (tmp_path / "mine" / "provenance.json").write_text(provenance)
+    assert cli.main(["rom", "--weights", str(tmp_path / "mine"), "--out", str(tmp_path / "out")]) == 2
+    assert "provenance.json: does not say what the network was trained on" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -2,6 +2,8 @@
 
 import errno
 import io
+import os
+import stat
 from pathlib import Path
 
 import pytest
@@ -58,3 +60,15 @@ def test_measure_without_a_file_name_is_refused_in_one_line(capsys):
     robot = ["--robot", "weights/spheiro"]
     assert main(["measure", *robot, "--effect", "none", "--out", "", "--points", "2", "--mode", "static"]) == 2
     assert capsys.readouterr().err.strip().splitlines()[-1].startswith("gravcomp measure:")
+
+
+def test_device_and_pipe_are_not_replaced_by_a_file(tmp_path):
+    """A rename would: as root over /dev/full or /dev/stdout, for the whole machine."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "out").symlink_to("/dev/null")
+    for name in ("pipe", "out"):
+        with pytest.raises(InputError, match=f"{name}: cannot be written .it is no file, but a device or a pipe"):
+            write_atomically(tmp_path / name, "text")
+    assert stat.S_ISFIFO((tmp_path / "pipe").lstat().st_mode)
+    assert (tmp_path / "out").is_symlink()
+    assert len(list(tmp_path.iterdir())) == 2

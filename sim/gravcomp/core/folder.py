@@ -81,11 +81,17 @@ def check_network(folder: Path, machine: Machine, network: Network) -> None:
             raise InputError(f"{folder / HIDDEN_CSV}: axis {axis} has columns of {given}, but {ROBOT_TOML} says {own}")
 
 
+def printable_name(folder: Path | str) -> str:
+    """The name of a machine folder, for a comment: in one line, and of letters that any encoding has."""
+    name = Path(folder).absolute().name
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in name)
+
+
 def _check_provenance(folder: Path, machine: Machine) -> None:
     path = folder / PROVENANCE_JSON
     try:
-        known = json.loads(path.read_text(encoding="utf-8"))["machine"]["trained_on"]
-    except (OSError, ValueError, KeyError, TypeError):
+        known = dict(json.loads(path.read_text(encoding="utf-8"))["machine"]["trained_on"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         raise InputError(
             f"{path}: does not say what the network was trained on; `gravcomp adopt {folder}` compares it with "
             f"{ROBOT_TOML} and writes it, or {_RETRAIN.format(folder)}"

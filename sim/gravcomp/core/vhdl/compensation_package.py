@@ -15,6 +15,7 @@ from gravcomp.core.compensator_tables import (
     FixedCompensation,
     quantise_compensation,
 )
+from gravcomp.core.folder import printable_name
 from gravcomp.robot.machine import Drive
 
 COMPENSATION_PACKAGE_FILE = "gc_compensation_pkg.vhd"
@@ -30,7 +31,7 @@ def compensation_package_text(folder: Path | str, constants: Compensation, drive
     fixed = quantise_compensation(constants, drive, folder)
     path = Path(folder) / COMPENSATION_CSV
     digest = hashlib.sha256(path.read_bytes() if path.exists() else b"").hexdigest()
-    return package_text(fixed, digest, Path(folder).name)
+    return package_text(fixed, digest, printable_name(folder))
 
 
 def package_text(fixed: FixedCompensation, sha256: str, name: str) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.core import formats as q
-from gravcomp.core.folder import folder_hash, load_folder
+from gravcomp.core.folder import folder_hash, load_folder, printable_name
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.core.machine_header import MACHINE_HEADER_FILE, machine_header_text
 from gravcomp.core.quantised import quantised
@@ -47,9 +47,9 @@ def _rom_files(folder: Path | str) -> tuple[dict[str, str], Precision]:
     fixed, sha256 = quantised(content.machine, content.network, folder), folder_hash(folder, content.machine)
     cost = certified(precision(content.network, fixed, drive.unit_per_count), folder)
     texts = {
-        PACKAGE_FILE: package_text(fixed, sha256, content.machine.clock_hz, Path(folder).name),
+        PACKAGE_FILE: package_text(fixed, sha256, content.machine.clock_hz, printable_name(folder)),
         COMPENSATION_PACKAGE_FILE: compensation_package_text(folder, content.compensation, drive),
-        MACHINE_HEADER_FILE: machine_header_text(content.machine, sha256, Path(folder).name),
+        MACHINE_HEADER_FILE: machine_header_text(content.machine, sha256, printable_name(folder)),
         **register_files(content.machine.n_axes),
     }
     return texts, cost

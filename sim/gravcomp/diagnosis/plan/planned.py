@@ -90,7 +90,7 @@ def _read(path: Path, n_axes: int) -> tuple[list[tuple[str, dict]], list[list[st
         unknown = {name for names in [*alternatives, [name for name, _ in effects]] for name in names} - {*NAMES}
         if unknown or noise.shape != (n_axes,):
             raise ValueError(f"effects {sorted(unknown)} are not known" if unknown else f"{len(noise)} axes")
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"{path}: no report of this log ({error}); run gravcomp diagnose on it again") from error
     return effects, alternatives, noise
 
