@@ -155,3 +155,29 @@ def test_provenance_that_is_none_is_one_line(provenance, tmp_path, capsys):
     assert cli.main(["rom", "--weights", str(tmp_path / "mine"), "--out", str(tmp_path / "out")]) == 2
     assert "provenance.json: does not say what the network was trained on" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("work", "arguments"),
+    [
+        ("gravcomp.training.training.training_and_test_set", ("train", "--robot", SPHEIRO, "--out", "file/mine")),
+        ("gravcomp.training.training.training_and_test_set", ("train", "--robot", SPHEIRO, "--out", "file")),
+        ("gravcomp.prototype.experiment.measure", ("measure", "--robot", SPHEIRO, "--out", "file/log.csv")),
+        ("gravcomp.prototype.experiment.measure", ("measure", "--robot", SPHEIRO, "--out", "folder")),
+        ("gravcomp.logs.csv_reader.read_measurement", ("loop", "file", "--weights", SPHEIRO, "--out", "file")),
+        ("gravcomp.logs.csv_reader.read_measurement", ("loop", "file", "--weights", SPHEIRO, "--save", "file/mine")),
+    ],
+)
+def test_place_that_cannot_be_written_is_refused_before_the_work(work, arguments, tmp_path, monkeypatch, capsys):
+    def begun(*_, **__):
+        raise AssertionError("begun")
+
+    monkeypatch.setattr(work, begun)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "folder").mkdir()
+    assert cli.main([str(word) for word in arguments]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert "is a folder; give a file" in told if "folder" in arguments else "file: is a file; give a folder" in told
+    assert (tmp_path / "file").read_text() == "mine"

@@ -19,6 +19,13 @@ def check_folder(folder: Path) -> None:
         raise InputError(f"{there}: cannot be written; check its permissions, or give another folder")
 
 
+def check_file(path: Path) -> None:
+    """Raise InputError unless a file can be written at path; nothing is written."""
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is {'a folder' if path.is_dir() else 'a device or a pipe'}; give a file")
+    check_folder(path.parent)
+
+
 def write_atomically(path: Path | str, content: str | bytes) -> None:
     """Write content to a temporary file beside path, then rename it: the old file stays whole until the new one is.
 

@@ -9,7 +9,7 @@ import hashlib
 from pathlib import Path
 
 from gravcomp.commands.diagnose import diagnose_log, seed
-from gravcomp.files import write_all_atomically
+from gravcomp.files import check_folder, write_all_atomically
 from gravcomp.logs.units import parse_units
 
 
@@ -29,6 +29,8 @@ def run(arguments):
     from gravcomp.loop.loop import check_robot, close_loop, error_head, error_rows, loop_errors, weights_folder
     from gravcomp.robot.machine import load_machine
 
+    for folder in filter(None, (arguments.out, arguments.save)):
+        check_folder(folder)
     machine, units = load_machine(arguments.weights), parse_units(arguments.units)
     check_robot(read_measurement(arguments.data, machine, units), arguments.weights)
     found, grown = diagnose_log(arguments, arguments.weights)

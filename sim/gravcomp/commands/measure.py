@@ -4,8 +4,10 @@ The CSV tells nothing of what was put in; LOG.sealed.json does, and no diagnosis
 """
 
 import math
+from pathlib import Path
 
 from gravcomp.errors import InputError
+from gravcomp.files import check_file
 from gravcomp.prototype import MODES
 
 
@@ -40,6 +42,7 @@ def run(arguments):
     noise_is_wrong = arguments.noise is not None and not 0 <= arguments.noise < math.inf
     if arguments.seed < 0 or noise_is_wrong or not 0 < arguments.speed <= 100:
         raise InputError("--seed and --noise must not be negative or infinite, --speed must be in 0..100; correct them")
+    check_file(Path(arguments.out))
     machine = load_machine(arguments.robot)
 
     def effects(engine, sizes):

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 from gravcomp.errors import InputError
+from gravcomp.files import check_folder
 from gravcomp.training import BACKENDS, POLISH_STEPS
 
 _NORM, _LEAST_NORM, _MOST_NORM = 16, 10, 24
@@ -91,8 +92,7 @@ def run(arguments):
 
 def _check(arguments) -> None:
     """Raises InputError."""
-    if arguments.out.exists() and not arguments.out.is_dir():
-        raise InputError(f"{arguments.out}: is a file; give a folder")
+    check_folder(arguments.out)
     if not 0 < arguments.search <= 100:
         raise InputError(f"--search {arguments.search:g}: give more than 0, 1 for the usual search, 100 at most")
     if arguments.polish < 1:
