@@ -82,6 +82,12 @@ system: setup ## gc_system: registers, interrupt, results on two clocks; path la
 hil: setup ## the robot in the physics engine and gc_system in one simulation: PID with and without the core, faults; docs/measured/hil.md
 	@$(LAB) hil --docs docs/measured
 
+campaign: setup ## a robot in the physics engine measures itself over the RTL, finds what its model lacks, loads it, measures again: SEEDS="0"
+	@$(LAB) campaign --seeds $(or $(SEEDS),0)
+
+campaign-blind: setup ## ten of them, each with an effect drawn by seed and sealed; docs/measured/campaign.md
+	@$(LAB) campaign --seeds 0 1 2 3 4 5 6 7 8 9 --docs docs/measured
+
 budget: setup ## operations per inference: counted in NumPy, counted in the running VHDL, and those of the statics
 	@$(LAB) budget --weights "$(WEIGHTS)"
 

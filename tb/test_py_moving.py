@@ -30,12 +30,12 @@ acceleration_counts_per_s2 = 1000000
 GEOMETRY = 4 | 1 << 16
 
 
-def mover(**changes) -> ModelMover:
+def mover(make=ModelMover, **changes) -> ModelMover:
     braked = core()
     values = {name: braked.get(name) for name in ("clock_hz", "geometry", "encoder_flags", "guards")}
     values["weights_hash"] = [braked.get("weights_hash", k) for k in range(8)]
     values["trained_low"], values["trained_high"] = [2**32 - 200_000] * 3, [200_000] * 3
-    return ModelMover(**values | {"encoder_geometry": GEOMETRY} | changes)
+    return make(**values | {"encoder_geometry": GEOMETRY} | changes)
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,10 @@ from gravcomp.robot.machine import ROBOT_TOML, load_machine
 from machines import SHIPPED, changed, machine_folder
 from measured_samples import holds, write_log
 from onnx_files import torch_like
-from support.model_board import ModelBoard, ModelCore
+from support.model_board import ModelBoard
+from support.model_mover import WholeModel
+from test_py_board import LIMITS
+from test_py_moving import MOTION, mover
 
 # What the tree has of a machine.
 OTHERS = (ROOT / "weights", ROOT / "rtl" / "generated", ROOT / "data")
@@ -37,6 +41,7 @@ def place(tmp_path_factory):
     (folder / "arm" / "model.toml").write_text((folder / "arm" / ROBOT_TOML).read_text() + friction)
     rng = np.random.default_rng(2)
     torch_like(folder / "net.onnx", w=rng.normal(size=(9, 3)), v=rng.normal(size=(3, 9)), c=np.zeros(3), width=3)
+    (folder / "limits.toml").write_text(LIMITS + MOTION)
     (folder / "turn.txt").write_text("Time,Position,Iq\n" + "".join(f"{k},{k / 99},0.1\n" for k in range(40)))
     return folder
 
@@ -61,6 +66,7 @@ def is_elsewhere(path: Path, place: Path) -> bool:
     return (path.name == ROBOT_TOML and place not in parents) or not parents.isdisjoint(OTHERS)
 
 
+SHORT = ("--poses", "8", "--legs", "2", "--timeout", "3")
 CASES = {
     "train": ["--from", "machine", "--out", "trained", "--poses", "20"],
     "adopt": ["machine"],
@@ -78,15 +84,17 @@ CASES = {
     "correct": ["arm/model.toml", "--out", "arm/corrected.xml"],
     "vectors": ["--weights", "machine", "--out", "vectors.txt"],
     "board": ["PORT", "info", "--robot", "machine"],
+    "campaign": ["PORT", "--robot", "machine", "--limits", "limits.toml", "--out", "campaign", *SHORT],
 }
 WITHOUT_A_ROBOT = {"import", "correct"}  # correct reads the model.toml that a diagnosis wrote
 
 
-def core_of(machine: Path) -> ModelCore:
+def core_of(machine: Path) -> WholeModel:
     """Registers of a core with four lanes that was built with the ROM of a machine of three axes."""
     told = machine_settings(machine)
     hashed = [told["expected_weights"], *range(7)]
-    return ModelCore(clock_hz=told["clock_hz"], weights_hash=hashed, geometry=3 | 20 << 8 | 3 << 16 | 4 << 24)
+    whole = partial(WholeModel, load_machine(machine), record_s=0.02)
+    return mover(whole, clock_hz=told["clock_hz"], weights_hash=hashed)
 
 
 def test_every_command_is_looked_at():
@@ -96,7 +104,8 @@ def test_every_command_is_looked_at():
 @pytest.mark.slow
 def test_commands_read_no_robot_but_their_own(place):
     with ModelBoard(core_of(place / "machine")) as board:
-        files = opened(place, CASES | {"board": [board.port, *CASES["board"][1:]]})
+        on_a_line = {name: [board.port, *CASES[name][1:]] for name in ("board", "campaign")}
+        files = opened(place, CASES | on_a_line)
     own = place / "machine" / ROBOT_TOML
     assert {name for name in files if own not in files[name]} == WITHOUT_A_ROBOT
     foreign = {name: [path for path in paths if is_elsewhere(path, place)] for name, paths in files.items()}

@@ -2,8 +2,11 @@
 
 import time
 
+import numpy as np
+
 from gravcomp.driver.registers import MOTION_XML, read_registers
 from gravcomp.facts import RECORD_WINDOW, State
+from gravcomp.robot.machine import Machine
 from gravcomp.twin.recorder import words_of
 from support.model_board import ModelCore
 
@@ -86,3 +89,24 @@ class ModelMover(ModelCore):
         axis, field = divmod(place - 2, 5)
         command = 1000 * number + axis
         return (self.get("position_now", axis), 2**31 - 1, command + SENSE_OFFSET_UA, command, FORCE_MN)[field]
+
+
+class WholeModel(ModelMover):
+    """Its motors exert what the model of a machine of three axes says, with noise: nothing is missing."""
+
+    NOISE_UA = 2000
+
+    def __init__(self, machine: Machine, **values: int | list[int]):
+        super().__init__(**values)
+        self._machine, self._rng = machine, np.random.default_rng(61)
+
+    def _word(self, index: int) -> int:
+        axis, field = divmod(index % words_of(3) - 2, 5)
+        if axis < 0 or field not in (2, 4):
+            return super()._word(index)
+        signed = [word - (word >> 31 << 32) for word in (self.get("position_now", k) for k in range(3))]
+        effort = self._machine.robot.forces(self._machine.drive.positions(np.array(signed)))[axis]
+        if field == 4:
+            return round(1e3 * effort) % 2**32
+        noise_ua = self.NOISE_UA * self._rng.standard_normal()
+        return round(1e6 * effort / self._machine.drive.effort_per_ampere[axis] + noise_ua) % 2**32

@@ -27,10 +27,7 @@ VERBS = {
 def add_arguments(parser):
     parser.add_argument("port", help="serial device, COM port, or URL of pyserial")
     line = argparse.ArgumentParser(add_help=False)
-    line.add_argument("--baud", type=int, default=115_200, help="bits per second (default %(default)s)")
-    line.add_argument("--parity", choices=("none", "odd", "even"), default="none", help="default %(default)s")
-    line.add_argument("--unit", type=int, default=1, help="address on the line (default %(default)s)")
-    line.add_argument("--timeout", type=float, default=0.3, help="seconds to wait for an answer (default %(default)s)")
+    add_line(line)
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
     for name, text in VERBS.items():
         verb = verbs.add_parser(name, parents=[line], help=text, description=text)
@@ -64,11 +61,9 @@ def _add_motion(verb, name: str) -> None:
 
 def run(arguments):
     from gravcomp.driver.board import Board
-    from gravcomp.driver.serial_bus import Line
 
     _check(arguments)
-    line = Line(arguments.port, arguments.baud, arguments.parity, arguments.unit, arguments.timeout)
-    with Board(line) as board:
+    with Board(line_of(arguments)) as board:
         if getattr(arguments, "robot", None):
             board.check_machine(arguments.robot)
         try:
@@ -79,13 +74,30 @@ def run(arguments):
             print(f"line: {board.bus.repeated} of {board.bus.sent} frames sent again", file=sys.stderr)
 
 
-def _check(arguments) -> None:
+def add_line(parser) -> None:
+    """The arguments that say what the line to a core is like."""
+    parser.add_argument("--baud", type=int, default=115_200, help="bits per second (default %(default)s)")
+    parser.add_argument("--parity", choices=("none", "odd", "even"), default="none", help="default %(default)s")
+    parser.add_argument("--unit", type=int, default=1, help="address on the line (default %(default)s)")
+    parser.add_argument(
+        "--timeout", type=float, default=0.3, help="seconds to wait for an answer (default %(default)s)"
+    )
+
+
+def line_of(arguments):
+    """The Line of arguments.port and those of add_line. Raises InputError for one that cannot be."""
+    from gravcomp.driver.serial_bus import Line
+
     if not 1200 <= arguments.baud <= 3_000_000:
         raise InputError(f"--baud {arguments.baud}: need 1200 to 3000000")
     if not 1 <= arguments.unit <= 247:
         raise InputError(f"--unit {arguments.unit}: need 1 to 247")
     if not 0 < arguments.timeout <= 3600:
         raise InputError(f"--timeout {arguments.timeout:g}: need more than 0 seconds, 3600 at most")
+    return Line(arguments.port, arguments.baud, arguments.parity, arguments.unit, arguments.timeout)
+
+
+def _check(arguments) -> None:
     seconds = getattr(arguments, "seconds", None)
     if seconds is not None and not seconds > 0:
         raise InputError(f"--seconds {seconds:g}: need more than 0")
@@ -221,9 +233,11 @@ def _show(states, arguments) -> None:
     """
     import time
 
+    from gravcomp.driver.interrupts import interrupts
+
     units, end = _units(arguments), time.monotonic() + (arguments.seconds or float("inf"))
     is_terminal, shown = sys.stdout.isatty(), 0
-    with _interrupts() as is_interrupted, contextlib.closing(states):
+    with interrupts() as is_interrupted, contextlib.closing(states):
         for state in states:
             lines = _state_lines(state, units)
             if is_terminal:
@@ -233,20 +247,6 @@ def _show(states, arguments) -> None:
                 print(" | ".join(" ".join(line.split()) for line in lines), flush=True)
             if is_interrupted() or time.monotonic() >= end:
                 break
-
-
-@contextlib.contextmanager
-def _interrupts():
-    """Whether the interrupt has come. So none falls into a frame, whose answer the next one would take for its own."""
-    import signal
-    import threading
-
-    came = threading.Event()
-    before = signal.signal(signal.SIGINT, lambda *_: came.set())
-    try:
-        yield came.is_set
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _units(arguments) -> list[tuple[float, str, str]] | None:

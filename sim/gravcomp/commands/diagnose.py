@@ -7,7 +7,7 @@ import argparse
 from functools import reduce
 from pathlib import Path
 
-from gravcomp.files import check_folder, write_all_atomically
+from gravcomp.files import check_folder
 from gravcomp.logs.units import parse_units
 
 _STEPS = 7
@@ -48,9 +48,9 @@ def diagnose_log(arguments, robot: Path | None) -> tuple:
     from tqdm import tqdm
 
     from gravcomp.diagnosis.diagnosis import diagnose
-    from gravcomp.diagnosis.model import Model, load_model, model_toml
-    from gravcomp.diagnosis.report.report import report, report_json, text
-    from gravcomp.diagnosis.report.report_html import report_html
+    from gravcomp.diagnosis.model import Model, load_model
+    from gravcomp.diagnosis.report.folder import write_report
+    from gravcomp.diagnosis.report.report import text
     from gravcomp.logs.csv_reader import read_measurement
     from gravcomp.logs.joining import joined
 
@@ -66,11 +66,6 @@ def diagnose_log(arguments, robot: Path | None) -> tuple:
             bar.update()
 
         found = diagnose(data, model, arguments.seed, arguments.holdout, tick)
-    grown = model.grown(found.fit)
-    content = report(found)
-    page = report_html(found, content)
-    files = {"report.json": report_json(content), "model.toml": model_toml(grown), "report.html": page}
-    beside = grown.machine.files if grown.machine else {}  # what model.toml refers to
-    write_all_atomically({arguments.out / name: whole for name, whole in (files | dict(beside)).items()})
+    grown, content = write_report(found, model, arguments.out)
     print(text(content, arguments.seed))
     return found, grown

@@ -15,7 +15,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from gravcomp.core.image import Image
-from gravcomp.driver.host import Host, Identity, Result, Settings, State, machine_settings
+from gravcomp.driver.host import Bus, Host, Identity, Result, Settings, State, machine_settings
 from gravcomp.driver.registers import read_registers
 from gravcomp.driver.serial_bus import Line, Refused, SerialBus
 from gravcomp.errors import InputError
@@ -53,20 +53,24 @@ class Check:
 class Board:
     """A core behind a serial line, found and of this driver's version. host: the driver; identity: what the core is.
 
+    A bus of another kind may stand in for a line: one with ``line``, its name, and ``close``; if time does not pass for
+    its robot as it does here, with ``now_s``, too.
+
     Raises InputError when nothing answers, when something else does, or another version.
     """
 
-    def __init__(self, line: Line):
-        self.bus = SerialBus(line)
+    def __init__(self, line: Line | Bus):
+        self.bus = SerialBus(line) if isinstance(line, Line) else line
+        self.now_s: Callable[[], float] = getattr(self.bus, "now_s", time.monotonic)
         self.host = Host(self.bus)
         self._map = read_registers()
         try:
             result, identity = self.host.open()
             if result == Result.NOT_FOUND:
-                raise InputError(f"{line}: answers, but is no gravcomp core; check --unit")
+                raise InputError(f"{self.bus.line}: answers, but is no gravcomp core; check --unit")
             if result == Result.WRONG_VERSION:
                 raise InputError(
-                    f"{line}: {self._versions()}; build the core or install the driver of the other's version"
+                    f"{self.bus.line}: {self._versions()}; build the core or install the driver of the other's version"
                 )
         except InputError:
             self.close()
@@ -179,10 +183,10 @@ class Board:
 
     def exchange_s(self, n: int = 10) -> float:
         """Time of an exchange of one register, mean of n."""
-        start = time.monotonic()
+        start_s = self.now_s()
         for _ in range(n):
             self.bus.read(self._map["id"].address)
-        return (time.monotonic() - start) / n
+        return (self.now_s() - start_s) / n
 
     def _done(self, result: Result) -> None:
         if result != Result.OK:
@@ -191,6 +195,9 @@ class Board:
     def _faults(self) -> str:
         state = self.host.read()
         causes = [cause for cause in Cause if (state.fault | state.cause) >> cause & 1]
+        if not causes and state.clamped:
+            return (f"the brakes are not released: axes {_axes(state.clamped)} stand outside of the range the core "
+                    "was trained for; move them into it")  # fmt: skip
         if not causes:
             return "the brakes are not released, and no fault is told; try again"
         names = ", ".join(cause.name.lower() for cause in causes)

@@ -10,7 +10,6 @@ The servo of the core acts on the robot; the host sends targets, takes records a
 """
 
 import math
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -65,6 +64,11 @@ class Mover:
         held = records.status & _STATE == Brakes.RUN
         return Records(**{field.name: getattr(records, field.name)[held] for field in fields(Records)})
 
+    def taken(self) -> list[int]:
+        """Words of the records since taken was called last."""
+        words, self._words = self._words, []
+        return words
+
     def go(self, targets: Sequence[Sequence[int]], move_s: float, hold_s: float) -> Iterator[State]:
         """Release the brakes, move to each target (counts per axis) and hold there; the state, again and again.
 
@@ -72,45 +76,53 @@ class Mover:
         taken throughout. The brakes are engaged at the end, and whatever ends it. Raises InputError as Board.hold does,
         and when a target is out of range or a move is refused.
         """
-        self._check(targets)
+        self.check(targets)
         self.motion.configure(self.gains)
         self._words = []
         states = self.board.hold(self.limits)
         try:
             yield next(states)
-            self._begin_records()
-            yield from self._hold(states, hold_s)
+            self.begin_records(self._ticks_of_line())
+            yield from self.hold(states, hold_s)
             for target in targets:
-                yield from self._move(states, target, move_s)
-                yield from self._hold(states, hold_s)
+                yield from self.move(states, target, move_s)
+                yield from self.hold(states, hold_s)
         finally:
             states.close()
         self._words += self.motion.take(_ALL)
         self.lost = self.motion.record_status().lost
 
-    def _begin_records(self) -> None:
-        """One record per as many ticks as the line needs for it; of more than one, their means."""
+    def _ticks_of_line(self) -> int:
+        """Ticks of a record, as a power of two, so that the line can bring them all."""
         round_s = EXCHANGES_PER_ROUND * self.board.exchange_s(5)
-        needed = max(round_s / RECORDS_AT_ONCE / self.tick_s, 1.0)
-        ticks = min(math.ceil(math.log2(needed)), MOST_TICKS)
+        return self.power_of_ticks(round_s / RECORDS_AT_ONCE)
+
+    def power_of_ticks(self, seconds: float) -> int:
+        """The power of two of ticks that are so long at least, if a record can be."""
+        return min(math.ceil(math.log2(max(seconds / self.tick_s, 1.0))), MOST_TICKS)
+
+    def begin_records(self, ticks: int) -> None:
+        """One record per 2**ticks ticks, their means, from now on."""
         self.board.host.kick()
         result = self.motion.record(Mode.FREE, POLLS, mean=ticks > 0, ticks=ticks)
         if result != Result.OK:
             raise InputError(f"{self.board.bus.line}: the recorder does not begin; does the core's clock run?")
 
-    def _hold(self, states: Iterator[State], seconds: float) -> Iterator[State]:
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            yield self._round(states)
+    def hold(self, states: Iterator[State], seconds: float) -> Iterator[State]:
+        """Hold for so long; states are those of Board.hold."""
+        end_s = self.board.now_s() + seconds
+        while self.board.now_s() < end_s:
+            yield self.round(states)
 
-    def _move(self, states: Iterator[State], target: Sequence[int], seconds: float) -> Iterator[State]:
+    def move(self, states: Iterator[State], target: Sequence[int], seconds: float) -> Iterator[State]:
+        """Move to a target and be there; states are those of Board.hold. Raises InputError when that is refused."""
         self.board.host.kick()
         result = self.motion.move(tuple(target), max(round(seconds / self.tick_s), 2), POLLS)
         if result == Result.TIMEOUT:
             raise InputError(f"{self.board.bus.line}: the core does not take a move; does its clock run?")
         while not (state := self._motion_state()).ready:
-            yield self._round(states)
-        yield self._round(states)  # it says so, if a fault was what ended the move
+            yield self.round(states)
+        yield self.round(states)  # it says so, if a fault was what ended the move
         if state.refused:
             raise InputError(f"{self.board.bus.line}: speed or acceleration of an axis are too small for the move to "
                              f"{_listed(target)}; raise speed_counts_per_s or acceleration_counts_per_s2")  # fmt: skip
@@ -119,14 +131,14 @@ class Mover:
         self.board.host.kick()
         return self.motion.read()
 
-    def _round(self, states: Iterator[State]) -> State:
+    def round(self, states: Iterator[State]) -> State:
         """The state, after a kick, and the records that there are."""
         state = next(states)
         self.board.host.kick()
         self._words += self.motion.take(RECORDS_AT_ONCE)
         return state
 
-    def _check(self, targets: Sequence[Sequence[int]]) -> None:
+    def check(self, targets: Sequence[Sequence[int]]) -> None:
         """InputError when a target is not a count per axis within the range that the window allows."""
         identity, margin = self.board.identity, self.limits.margin_counts
         for target in targets:

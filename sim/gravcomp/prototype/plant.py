@@ -72,20 +72,23 @@ class Plant:
         self._mass = robot.moved_mass()
         self._apply_forces()
         state.motor = robot.equilibrium_efforts()
-        self.reading = self._read()
+        self.reading = self.read()
         self._last, self._held, self._rate = q - self.reading, state.motor.copy(), np.zeros(len(q))
 
     def step(self, target: np.ndarray) -> None:
         """One time step of PID and physics towards a target (n,), m or rad, in encoder readings."""
-        robot, state = self.engine, self.state
-        self.reading = self._read()
+        self.reading = self.read()
         error = target - self.reading
         proportional, integral, rate = SERVO_PER_KG
         self._rate = self._rate + _RATE_BLEND * ((error - self._last) / TIME_STEP_S - self._rate)
         self._held = self._held + integral * TIME_STEP_S * (self._mass @ error)
         self._last = error
-        state.motor = self._mass @ (proportional * error + rate * self._rate) + self._held
-        robot.data.ctrl[:] = state.motor
+        self.exert(self._mass @ (proportional * error + rate * self._rate) + self._held)
+
+    def exert(self, motor: np.ndarray) -> None:
+        """One time step of physics alone, under efforts of the motors (n,), N or N m."""
+        robot, state = self.engine, self.state
+        robot.data.ctrl[:] = state.motor = motor
         self._apply_forces()
         robot.mujoco.mj_step(robot.model, robot.data)
         state.q, state.v = robot.motor_positions(), robot.motor_speeds()
@@ -116,7 +119,8 @@ class Plant:
         for effect in self.effects:
             effect.reset(self.state)
 
-    def _read(self) -> np.ndarray:
+    def read(self) -> np.ndarray:
+        """What the encoders read (n,), m or rad, now."""
         position = self.state.q
         for shift in self._shifts:
             position = position + shift(self.state)

@@ -1,0 +1,117 @@
+"""Campaigns on a robot in the physics engine at the RTL under Verilator: a linear axis, whose model lacks a spring."""
+
+import json
+import shutil
+
+import pytest
+
+from gravcomp.campaign.campaign import Campaign, Plan
+from gravcomp.campaign.journal import AFTER, BEFORE
+from gravcomp.cli import main
+from gravcomp.commands.campaign import conduct
+from gravcomp.core.image import load_image
+from gravcomp.driver.board import Board, load_limits
+from gravcomp.driver.host import Result
+from gravcomp.driver.moving import load_motion
+from gravcomp.errors import InputError
+from gravcomp.prototype.imperfections import CableSpring
+from gravcomp.robot.machine import ROBOT_TOML, load_machine
+from gravcomp.shipped import shipped
+from gravcomp_lab.cosim.blind import floor, home
+from gravcomp_lab.cosim.library import build, slow_machine
+from gravcomp_lab.cosim.limits import limits_toml
+from gravcomp_lab.cosim.world import World
+from runner import BUILD, ROOT
+
+STIFFNESS_N_PER_M, FREE_M = 60.0, 0.21
+PLAN = Plan(poses=8, legs=2, seed=4, speed=0.08)
+STEP_CLOCKS = 80  # one axis needs fewer
+# A tenth of a metre: a campaign in a minute of the robot's time.
+RANGE = "low = 0.2\nhigh = 0.3\n"
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not shutil.which("verilator"), reason="no Verilator; `scripts/setup.sh verilator` installs it"),
+]
+
+
+class CutWorld(World):
+    """Its line is cut after so many exchanges; the robot goes on without a host."""
+
+    exchanges_left = 10**9
+
+    def _exchange(self) -> None:
+        if self.exchanges_left <= 0:
+            raise InputError(f"{self.line}: no answer any more")
+        self.exchanges_left -= 1
+        super()._exchange()
+
+
+@pytest.fixture(scope="module")
+def core():
+    folder = slow_machine(shipped("weights/slide"), BUILD / "tb" / "campaign" / "slide", STEP_CLOCKS)
+    with (folder / ROBOT_TOML).open("a") as file:
+        file.write(RANGE)
+    assert main(["adopt", str(folder)]) == 0
+    return build(folder, ROOT / "rtl", BUILD / "tb" / "campaign" / "core"), folder
+
+
+def campaign_of(world: World, folder, out, resume: bool = False) -> Campaign:
+    limits = out.with_suffix(".toml")
+    limits.write_text(limits_toml(world))
+    gains = load_motion(limits, folder)
+    return Campaign(Board(world), folder, load_limits(limits, folder), gains, out, PLAN, resume=resume)
+
+
+def conducted(world: World, campaign: Campaign) -> dict:
+    return conduct(campaign, lambda states: home(world, states))
+
+
+def test_a_campaign_goes_on_after_a_cut_line_and_loads_the_cure(core, tmp_path, capsys):
+    library, folder = core
+    machine, out = load_machine(folder), tmp_path / "out"
+    world = CutWorld(library, machine, lambda robot, sizes: [CableSpring(sizes, k=STIFFNESS_N_PER_M, q0=FREE_M)], 1)
+    campaign = campaign_of(world, folder, out)
+    states = campaign.home()
+    home(world, states)
+    steps = campaign.before()
+    for _ in range(3):
+        next(steps)
+    world.exchanges_left = 50
+    with pytest.raises(InputError, match="no answer any more"):
+        list(steps)
+    assert world.port.released == 1, "the line alone was cut"
+    world.wait(2300)  # the watchdog's time, 2 s, and a bit
+    assert (world.port.released, world.port.enabled) == (0, 0)
+    assert len(campaign.journal.entries) == 3
+
+    world.exchanges_left, world.engaged = 10**9, 0
+    content = conducted(world, campaign_of(world, folder, out, resume=True))
+    assert world.engaged == 2  # at the end of each of two sittings
+    assert content == json.loads((out / "campaign.json").read_text())
+    lines = [json.loads(line) for line in (out / "journal.jsonl").read_text().splitlines()]
+    assert [line["step"] for line in lines if line["phase"] == BEFORE] == list(range(10))
+    assert [line["sitting"] for line in lines[:5]] == [0, 0, 0, 1, 1]
+
+    (effect,) = content["found"]["effects"]
+    assert effect["name"] == "cable_spring"
+    assert effect["params"]["k1"] == pytest.approx(STIFFNESS_N_PER_M, rel=0.05)
+    image = load_image(out / "loop" / "after" / "weights", folder)
+    assert content["loaded"] == f"{image.crc32:08x}"
+    before, after = (content[phase]["servo"]["all"]["rms_n"] for phase in (BEFORE, AFTER))
+    assert before > 5 * after
+    assert after <= 1.1 * floor(content)
+    assert "report.html" in capsys.readouterr().out
+    assert (out / "report.html").read_text().count("<svg") == 1
+
+
+def test_nothing_is_loaded_where_nothing_is_missing(core, tmp_path):
+    library, folder = core
+    world = World(library, load_machine(folder), (), 2)
+    campaign = campaign_of(world, folder, tmp_path / "out")
+    content = conducted(world, campaign)
+    assert (content["loaded"], content["found"]["verdict"]) == (None, "nothing_missing")
+    assert AFTER not in content
+    assert content[BEFORE]["servo"]["all"]["rms_n"] <= 1.1 * floor(content)
+    assert campaign.board.host.bank_crc() == 0
+    assert campaign.board.host.stop() == Result.OK
