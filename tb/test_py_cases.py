@@ -183,6 +183,42 @@ def test_long_lag_is_found_whole(tmp_path):
     assert value(found, "sensor_lag", "tau_s") == pytest.approx(0.2, abs=0.003)
 
 
+def test_lag_is_found_beside_a_large_effect(tmp_path):
+    """A ripple of ten times the noise, late as all is: what is late of the model is small beside it."""
+    t = 0.05 * np.arange(700)
+    q = 1.1 * (np.sin(0.9 * t + 0.3) + 0.35 * np.sin(0.618 * 0.9 * t))
+    v = 1.1 * 0.9 * (np.cos(0.9 * t + 0.3) + 0.35 * 0.618 * np.cos(0.618 * 0.9 * t))
+    model, noise = 5.0 * np.cos(q), 0.04 * np.random.default_rng(5).standard_normal(700)
+    f = np.interp(t - 0.1, t, model + 0.6 * np.sin(12.0 * q + 0.5)) + noise
+    found = diagnosed(tmp_path, log(t_s=t, q1_rad=q, v1_radps=v, f1_nm=f, fm1_nm=model))
+    assert names(found) == {"sensor_lag", "cogging"}
+    assert found["verdict"] == "explained"
+    assert value(found, "sensor_lag", "tau_s") == pytest.approx(0.1, abs=0.005)
+    assert value(found, "cogging", "amplitude_1_h1") == pytest.approx(0.6, abs=0.02)
+
+
+@pytest.mark.parametrize("value_nm", [0.0, 7.25])
+def test_rows_with_a_stuck_effort_are_left_out_and_counted(tmp_path, value_nm):
+    """A drive that was off, a bus that lost its words: as many rows as no gross error has."""
+    t, q, v, model, noise = arm()
+    f = model + coulomb(t, q, v, model) + noise
+    f[200:230] = value_nm
+    found = diagnosed(tmp_path, log(t_s=t, q1_rad=q, v1_radps=v, f1_nm=f, fm1_nm=model))
+    assert names(found) == {"coulomb_friction"}
+    assert found["verdict"] == "explained"
+    assert value(found, "coulomb_friction", "fc_1") == pytest.approx(0.5, abs=0.02)
+    assert any("axis 1 is stuck" in note and "30 rows" in note for note in found["notes"])
+
+
+@pytest.mark.parametrize("step_nm", [0.05, 0.5])
+def test_coarse_converter_is_not_stuck(tmp_path, step_nm):
+    """At a turning point the same number stands for many rows, with no leap beside them."""
+    t, q, v, model, noise = arm()
+    f = np.round((model + 0.2 * noise) / step_nm) * step_nm
+    found = diagnosed(tmp_path, log(t_s=t, q1_rad=q, v1_radps=v, f1_nm=f, fm1_nm=model))
+    assert not any("stuck" in note for note in found["notes"])
+
+
 def test_friction_keeps_its_name_beside_a_bump_where_the_model_is_constant(tmp_path):
     """What contains Coulomb's friction, or is the same under a constant load, is no other explanation of it."""
     t, q, v, noise = vertical()

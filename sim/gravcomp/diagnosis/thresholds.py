@@ -18,7 +18,7 @@ SCAN_PRICE = 14.0  # 2 log of the thousand frequencies scanned
 # Sets of terms
 TIE = 9.0  # scores this close cannot be told apart: odds of exp(9/2), about 90
 NEGATIVE_Z = 3.0  # a coefficient that physics makes positive is refused beyond three standard errors below zero
-MAX_TERMS, TERMS_PER_AXIS = 14, 5  # as many as 3 axes have ever needed, and of more axes each; bounds the time
+MAX_TERMS = 14  # as many as 3 axes have ever needed; 30 for a real arm of six cost twice the time and no name
 CANCELLATION = 3.0  # single terms may have this many times the energy of their sum; tuned
 TRIFLE = 0.005  # of the energy explained: an effect below may imitate an error of the others; tuned
 TRIFLE_LEFT = 0.1  # of the energy left: an effect that takes more is none, however small beside the rest; tuned
@@ -31,7 +31,7 @@ VAGUE = 4  # names: beside corrections one with more rivals says nothing; tuned
 SAME_COLUMN = 1.0 - 1e-9  # correlation of two regressors that are one
 SAME_SCORE = 1e-6  # what lies within the span of the other terms adds nothing
 PROMISING = 20  # candidates of a move that are scored exactly; more changed no outcome on tuned seeds
-REFUSED = 60  # of them that physics may refuse before a move is given up: a real arm's best twenty all were
+REFUSED = 80  # candidates until a move is given up where physics refuses all before: a real arm's best twenty were
 BEAM_WIDTH, BEAM_DEPTH = 4, 4  # sets that go on, and terms they are led by; bounds the time
 FOLDS = 4  # of a cross-validation within the training
 SURFACE_DEGREE = 3  # of a smooth function of all positions
@@ -61,6 +61,8 @@ CLOCK_EVEN = 0.5  # of what the positions are off beside their neighbours at the
 HELD_FRESH = 0.7  # values per stretch of equal ones: fewer are steps of a converter, not of a clock
 HELD_REGULAR = 0.9  # of the stretches are as long as the usual one, or a row more or less
 HELD_KEEPS_UP = 0.3  # of v dt: what the steps of held positions may be off; repeats of a hold announce no motion
+STUCK_ROWS, STUCK_CHANCE = 4, 1e-4  # rows at one value; stretches as long that chance makes in a whole log
+STUCK_LEAP, STUCK_USUAL = 3.0, 0.95  # usual large steps: a turning point of a coarse converter has no leap beside it
 
 # Samples that are held out, in blocks
 TEST_SHARE = 0.25  # as usual: the error of 25 % of a log is known to 1/sqrt(n/2)

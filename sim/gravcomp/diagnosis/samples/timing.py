@@ -13,6 +13,10 @@ from gravcomp.diagnosis.thresholds import (
     HELD_FRESH,
     HELD_KEEPS_UP,
     HELD_REGULAR,
+    STUCK_CHANCE,
+    STUCK_LEAP,
+    STUCK_ROWS,
+    STUCK_USUAL,
     TINY,
 )
 from gravcomp.logs.measurement import Measurement, velocity_from_position
@@ -29,8 +33,10 @@ def put_right(data: Measurement) -> tuple[Measurement, list[str]]:
         notes += told
     if notes and is_derived:
         data = replace(data, v=velocity_from_position(data.t_s, data.q, data.runs))
-    data, told = _held_efforts(data)
-    return data, notes + told
+    for leave_out in (_held_efforts, _stuck_efforts):
+        data, told = leave_out(data)
+        notes += told
+    return data, notes
 
 
 def _even_clock(data: Measurement) -> tuple[Measurement, list[str]]:
@@ -82,6 +88,43 @@ def _held_efforts(data: Measurement) -> tuple[Measurement, list[str]]:
             usual, fresh = held
             keep &= np.isin(np.arange(len(keep)), fresh)
             notes.append(f"the effort of axis {i + 1} stands for {usual} rows at a time: its fresh rows are used")
+    return _with_rows(data, keep, notes)
+
+
+def _stuck_efforts(data: Measurement) -> tuple[Measurement, list[str]]:
+    """Rows of a stretch in which an effort stands at one value, and leaps from or to it, are left out: a bus that lost
+    its words, a drive that was off.
+    """
+    keep, notes = np.ones(len(data.t_s), bool), []
+    for i in range(data.n_axes):
+        stuck = _rows_stuck(data.force[:, i], data.runs)
+        if stuck.any() and not data.is_held[i]:
+            keep &= ~stuck
+            values = ", ".join(f"{value:g}" for value in np.unique(data.force[stuck, i])[:3])
+            notes.append(f"the effort of axis {i + 1} is stuck at {values} in {stuck.sum()} rows: they are left out")
+    return _with_rows(data, keep, notes)
+
+
+def _rows_stuck(values: np.ndarray, runs: np.ndarray) -> np.ndarray:
+    """Mask (n,) of stretches of one value that are longer than chance makes them, from how often neighbours are equal
+    elsewhere, and with a leap at an end that is farther than nearly all steps.
+    """
+    step = np.abs(np.diff(values))
+    starts = np.flatnonzero(np.concatenate([[True], (step != 0.0) | (np.diff(runs) != 0)]))
+    length = np.diff(np.append(starts, len(values)))
+    long = length >= STUCK_ROWS
+    if not long.any():
+        return np.zeros(len(values), bool)
+    equal = (length[~long] - 1).sum() / max(length[~long].sum() - 1, 1)
+    by_chance = len(values) * max(equal, 1.0 / len(values)) ** (length - 1.0)
+    far = STUCK_LEAP * np.quantile(step[step > 0.0], STUCK_USUAL) if (step > 0.0).any() else np.inf
+    padded = np.concatenate([[0.0], step, [0.0]])
+    leaps = np.maximum(padded[starts], padded[starts + length]) > far
+    return np.repeat(long & (by_chance < STUCK_CHANCE) & leaps, length)
+
+
+def _with_rows(data: Measurement, keep: np.ndarray, notes: list[str]) -> tuple[Measurement, list[str]]:
+    """The rows to keep (n,), with the notes on the others; as it is where too few would stay."""
     if not notes or keep.sum() < CLOCK_ROWS:
         return data, []
     arrays = {name: getattr(data, name) for name in ("t_s", "q", "v", "force", "nominal", "temp_c", "run", "unsure")}

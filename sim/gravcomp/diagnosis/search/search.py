@@ -1,7 +1,5 @@
 """Moves through the sets of terms to one of a low score: a beam from nothing, then single changes while they help."""
 
-from itertools import islice
-
 import numpy as np
 
 from gravcomp.diagnosis.search.criterion import Criterion, Members
@@ -12,7 +10,6 @@ from gravcomp.diagnosis.thresholds import (
     MAX_TERMS,
     PROMISING,
     REFUSED,
-    TERMS_PER_AXIS,
     TINY,
 )
 
@@ -39,10 +36,9 @@ def beam(criterion: Criterion, allowed) -> Members:
 
 def climb(criterion: Criterion, members: Members, allowed, locked: Members = EMPTY) -> Members:
     """Add or drop one term while that lowers the score; locked ones stay."""
-    most = max(MAX_TERMS, TERMS_PER_AXIS * len(criterion.gram.energy))
     while True:
         moves = [members - {k} for k in members - locked]
-        if len(members) < most:
+        if len(members) < MAX_TERMS:
             moves += additions(criterion, members, allowed)
         best = min(moves, key=criterion.score, default=members)
         if criterion.score(best) >= criterion.score(members):
@@ -64,7 +60,7 @@ def exchange(criterion: Criterion, members: Members, allowed) -> Members:
 
 def additions(criterion: Criterion, members: Members, candidates) -> list[Members]:
     """The set with one candidate more: those that would lower the residual most for their cost, where an exact score
-    would need one each. What physics refuses leaves its place to the next.
+    would need one each. Where physics refuses all of them the next have their turn.
     """
     gram, candidates = criterion.gram, [k for k in candidates if fits(criterion, members, k)]
     m = gram.independent
@@ -74,6 +70,10 @@ def additions(criterion: Criterion, members: Members, candidates) -> list[Member
         k: gain / unit - rank * np.log(m.sum()) - criterion.terms[k].candidate.price
         for k, (gain, rank) in zip(candidates, gains, strict=True)
     }
-    ranked = sorted(candidates, key=worth.get, reverse=True)[: PROMISING + REFUSED]
-    possible = (members | {k} for k in ranked if criterion.score(members | {k}) < IMPOSSIBLE)
-    return list(islice(possible, PROMISING))
+    ranked = sorted(candidates, key=worth.get, reverse=True)[:REFUSED]
+    for first in range(0, len(ranked), PROMISING):
+        moves = [members | {k} for k in ranked[first : first + PROMISING]]
+        possible = [move for move in moves if criterion.score(move) < IMPOSSIBLE]
+        if possible:
+            return possible
+    return []
