@@ -155,3 +155,16 @@ def test_bending_by_a_tenth_of_the_range_is_no_compliance():
     limits = effect_named("link_compliance").limits_in(data)
     most = 0.1 * np.ptp(data.q, axis=0) / np.abs(data.nominal).max(axis=0)
     assert list(limits.values()) == pytest.approx(most)
+
+
+def test_a_linear_axis_feels_no_moment_of_a_body(tmp_path):
+    """A slide bears masses alone: where they are on it, no log can show, and none is sought."""
+    machine, rng = load_machine(WEIGHTS / "slide"), np.random.default_rng(3)
+    q = rng.uniform(0.05, 0.45, (80, 1))
+    force = machine.robot.forces(q) + 0.5 * np.sign(q - 0.25) + 0.05 * rng.standard_normal(q.shape)
+    rows = np.column_stack([np.arange(80.0), q, 0.01 * np.sign(q - 0.25), force])
+    log = tmp_path / "slide.csv"
+    np.savetxt(log, rows, delimiter=",", header="t_s,q1_m,v1_mps,f1_n", comments="")
+    found = diagnose(read_measurement(log, machine), Model(machine))
+    assert "no axis feels" in found.untestable["body_moment"]
+    assert found.fit.effects

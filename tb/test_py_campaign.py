@@ -83,6 +83,9 @@ def test_journal_keeps_whole_steps_alone_and_joins_sittings(tmp_path):
     # The tick number wraps within a sitting; a core that was switched off begins anew.
     np.testing.assert_array_equal(np.diff(records.tick), [64, 64, 1000])
     assert velocity.shape == (4, 1)
+    path.write_text(path.read_text().replace("phase", "stage", 1))
+    with pytest.raises(InputError, match=r"journal.jsonl, line 1: is no step of a campaign; delete it"):
+        Journal(path)
 
 
 def test_figures_are_those_of_the_currents(tmp_path):

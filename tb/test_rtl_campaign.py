@@ -3,15 +3,18 @@
 import json
 import shutil
 
+import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from gravcomp.campaign.campaign import Campaign, Plan
 from gravcomp.campaign.journal import AFTER, BEFORE
+from gravcomp.campaign.measuring import RECORDS_OF_HOLD
+from gravcomp.campaign.route import ONE_IN
 from gravcomp.cli import main
 from gravcomp.commands.campaign import conduct
 from gravcomp.core.image import load_image
 from gravcomp.driver.board import Board, load_limits
-from gravcomp.driver.host import Result
 from gravcomp.driver.moving import load_motion
 from gravcomp.errors import InputError
 from gravcomp.prototype.imperfections import CableSpring
@@ -26,6 +29,7 @@ from runner import BUILD, ROOT
 STIFFNESS_N_PER_M, FREE_M = 60.0, 0.21
 PLAN = Plan(poses=8, legs=2, seed=4, speed=0.08)
 STEP_CLOCKS = 80  # one axis needs fewer
+INERTIA = {"inertia"}  # which the robot has, and the legs of so short a campaign show
 # A tenth of a metre: a campaign in a minute of the robot's time.
 RANGE = "low = 0.2\nhigh = 0.3\n"
 
@@ -67,6 +71,17 @@ def conducted(world: World, campaign: Campaign) -> dict:
     return conduct(campaign, lambda states: home(world, states))
 
 
+def named(content: dict) -> dict[str, dict]:
+    """Parameters by name of what was found."""
+    return {effect["name"]: effect["params"] for effect in content["found"]["effects"]}
+
+
+def most(content: dict) -> float:
+    """What is left at rest, RMS, is the floor, as far as so few records can tell: 99 % of draws are below this."""
+    n = 2 * RECORDS_OF_HOLD * PLAN.poses // ONE_IN
+    return floor(content) * np.sqrt(chi2.ppf(0.99, n) / n)
+
+
 def test_a_campaign_goes_on_after_a_cut_line_and_loads_the_cure(core, tmp_path, capsys):
     library, folder = core
     machine, out = load_machine(folder), tmp_path / "out"
@@ -93,14 +108,15 @@ def test_a_campaign_goes_on_after_a_cut_line_and_loads_the_cure(core, tmp_path, 
     assert [line["step"] for line in lines if line["phase"] == BEFORE] == list(range(10))
     assert [line["sitting"] for line in lines[:5]] == [0, 0, 0, 1, 1]
 
-    (effect,) = content["found"]["effects"]
-    assert effect["name"] == "cable_spring"
-    assert effect["params"]["k1"] == pytest.approx(STIFFNESS_N_PER_M, rel=0.05)
+    found = named(content)
+    assert set(found) - INERTIA == {"cable_spring"}
+    assert found["cable_spring"]["k_1"] == pytest.approx(STIFFNESS_N_PER_M, rel=0.05)
     image = load_image(out / "loop" / "after" / "weights", folder)
     assert content["loaded"] == f"{image.crc32:08x}"
-    before, after = (content[phase]["servo"]["all"]["rms_n"] for phase in (BEFORE, AFTER))
-    assert before > 5 * after
-    assert after <= 1.1 * floor(content)
+    servo = {phase: content[phase]["servo"] for phase in (BEFORE, AFTER)}
+    assert servo[AFTER]["holds"]["rms_n"] <= most(content)
+    assert servo[BEFORE]["holds"]["rms_n"] > 10 * servo[AFTER]["holds"]["rms_n"]
+    assert servo[BEFORE]["motion"]["rms_n"] > 10 * servo[AFTER]["motion"]["rms_n"]
     assert "report.html" in capsys.readouterr().out
     assert (out / "report.html").read_text().count("<svg") == 1
 
@@ -110,8 +126,8 @@ def test_nothing_is_loaded_where_nothing_is_missing(core, tmp_path):
     world = World(library, load_machine(folder), (), 2)
     campaign = campaign_of(world, folder, tmp_path / "out")
     content = conducted(world, campaign)
-    assert (content["loaded"], content["found"]["verdict"]) == (None, "nothing_missing")
+    assert content["loaded"] is None
+    assert set(named(content)) <= INERTIA
     assert AFTER not in content
-    assert content[BEFORE]["servo"]["all"]["rms_n"] <= 1.1 * floor(content)
+    assert content[BEFORE]["servo"]["holds"]["rms_n"] <= most(content)
     assert campaign.board.host.bank_crc() == 0
-    assert campaign.board.host.stop() == Result.OK

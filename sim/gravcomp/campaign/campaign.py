@@ -32,7 +32,7 @@ from gravcomp.driver.host import Settings, State
 from gravcomp.driver.motion import MotionSettings
 from gravcomp.driver.moving import Mover
 from gravcomp.errors import InputError
-from gravcomp.files import write_all_atomically, write_atomically
+from gravcomp.files import check_folder, write_all_atomically, write_atomically
 from gravcomp.logs.csv_reader import read_measurement
 from gravcomp.loop.loop import close_loop, loop_errors, weights_folder
 from gravcomp.robot.machine import Machine, load_machine
@@ -87,7 +87,7 @@ class Campaign:
         if not path.exists():
             if resume:
                 raise InputError(f"{self.out}: no campaign to resume; leave --resume out")
-            self.out.mkdir(parents=True, exist_ok=True)
+            check_folder(self.out)
             write_atomically(path, json.dumps(asked, indent=2) + "\n")
             return
         if not resume:

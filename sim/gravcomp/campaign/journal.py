@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from gravcomp.errors import InputError
+from gravcomp.files import write_atomically
 from gravcomp.logs.records import Records, measured_csv, records_of
 from gravcomp.robot.machine import Machine
 
@@ -29,20 +31,15 @@ class Entry:
 
 
 class Journal:
-    """The entries of a folder, the oldest first."""
+    """The entries of a file, the oldest first. Raises InputError for a line that is none."""
 
     def __init__(self, path: Path):
         self._path = path
-        self.entries: list[Entry] = []
-        if path.exists():
-            lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-            self.entries = [Entry(**json.loads(line)) for line in lines if line.endswith("\n")]
-            if self.entries and len(self.entries) < len(lines):  # the last one was cut off
-                self._rewrite()
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
+        self.entries = [_entry(path, number, line) for number, line in enumerate(lines, 1) if line.endswith("\n")]
+        if len(self.entries) < len(lines):  # the last one was cut off
+            write_atomically(path, "".join(map(_line, self.entries)))
         self.sitting = 1 + max((entry.sitting for entry in self.entries), default=-1)
-
-    def _rewrite(self) -> None:
-        self._path.write_text("".join(_line(entry) for entry in self.entries), encoding="utf-8")
 
     def add(self, phase: str, step: int, words: list[list[int]], velocity: np.ndarray) -> None:
         entry = Entry(phase, step, self.sitting, words, velocity.tolist())
@@ -58,6 +55,13 @@ class Journal:
         """Entries of a phase and some steps."""
         wanted = set(steps)
         return [entry for entry in self.entries if entry.phase == phase and entry.step in wanted]
+
+
+def _entry(path: Path, number: int, line: str) -> Entry:
+    try:
+        return Entry(**json.loads(line))
+    except (ValueError, TypeError):
+        raise InputError(f"{path}, line {number}: is no step of a campaign; delete it, it is measured again") from None
 
 
 def _line(entry: Entry) -> str:

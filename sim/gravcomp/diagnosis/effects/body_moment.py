@@ -21,7 +21,9 @@ class BodyMoment(Effect):
     special_case = "payload"
 
     def unavailable(self, data):
-        return "" if data.body_moments is not None else "the bodies of the robot are not known"
+        if data.body_moments is None:
+            return "the bodies of the robot are not known"
+        return "" if np.abs(data.body_moments).max() > TINY else "no axis feels where on its body a mass is"
 
     def columns(self, data, shape):
         """No sums of others among them: of moments that show only together the body nearest to the base has the sum."""
