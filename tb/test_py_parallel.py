@@ -2,6 +2,11 @@
 
 import os
 import pickle
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -99,3 +104,47 @@ def test_cluster_that_is_not_there_is_one_line_and_status_2(monkeypatch, capfd, 
     assert last.startswith("gravcomp train: ")
     assert said in last
     assert not (tmp_path / "out").exists()
+
+
+# A task that tells that it runs, then waits; what the terminal's Ctrl-C leaves of it.
+WAITS = """
+import sys, time
+from pathlib import Path
+from gravcomp.parallel import run_parallel
+
+def wait(folder, k):
+    Path(folder, str(k)).touch()
+    time.sleep(600)
+
+try:
+    run_parallel(wait, [(sys.argv[1], k) for k in range(4)], "loky", "test", jobs=2)
+except KeyboardInterrupt:
+    sys.exit("stopped")
+"""
+
+
+def hears() -> bool:
+    return signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
+
+
+def test_workers_do_not_hear_the_interrupt_that_this_process_hears():
+    assert not any(run_parallel(hears, [()] * 4, "loky", "test", jobs=2))
+    assert hears()
+
+
+@pytest.mark.parametrize("at", ["the first worker", "a task"])
+def test_interrupt_of_a_terminal_ends_workers_without_a_traceback(at, tmp_path):
+    """A terminal tells the whole group, here as the first worker begins and as tasks run."""
+    process = subprocess.Popen([sys.executable, "-c", WAITS, tmp_path], stderr=subprocess.PIPE, text=True,
+                               start_new_session=True)  # fmt: skip
+    children = f"/proc/{process.pid}/task/{process.pid}/children"
+    until = time.monotonic() + 120.0
+    while not (any(tmp_path.iterdir()) if at == "a task" else Path(children).read_text()):
+        assert process.poll() is None
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGINT)
+    _, told = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert told.splitlines()[-1] == "stopped"
+    assert "Traceback" not in told

@@ -5,11 +5,14 @@ shared folder; the scheduler is the one that DASK_SCHEDULER_ADDRESS names.
 """
 
 import os
+import signal
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 
 from joblib import Parallel, delayed, parallel_config
+from joblib.parallel import BACKENDS
 from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
@@ -63,7 +66,7 @@ def run_parallel(
     with (
         tqdm(total=len(arguments), desc=title, delay=delay_s) as bar,
         _client_of(backend),
-        parallel_config(backend=backend, n_jobs=jobs),
+        parallel_config(backend=_Workers() if backend == "loky" else backend, n_jobs=jobs),
         one_blas_thread(),
     ):
         return _ProgressParallel(bar)(delayed(_on_one_thread)(function, a) for a in arguments)
@@ -77,6 +80,32 @@ def one_blas_thread():
 def _on_one_thread(function: Callable, arguments: tuple):
     with one_blas_thread():
         return function(*arguments)
+
+
+class _Workers(BACKENDS["loky"]):
+    """Processes that Ctrl-C of a terminal does not reach: this one alone hears it, and ends them. One that is told
+    while it begins would end in a traceback, and this one wait for it."""
+
+    def configure(self, *args, **options):
+        n_jobs = super().configure(*args, **options)
+        with _deaf():
+            self._workers.submit(os.getpid)  # starts them all
+        return n_jobs
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """What starts meanwhile never hears an interrupt; this process hears it at the end."""
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # blocked, it waits though it is ignored
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 class _ProgressParallel(Parallel):
