@@ -10,10 +10,15 @@ SIM = ROOT / "sim"
 MADE, SOUGHT = "prototype/imperfections.py", "diagnosis/effects/"
 SHARED = {
     "Bus",  # registers by address: of a driver, of the server of a serial line
+    "Campaign",  # measured on a board, of injected flips
+    "Entry",  # of a fit, of a campaign's journal
     "Line",  # a serial one, a straight one
     "Outcome",  # of an injected flip, of a planted fault
+    "Plan",  # of the next measurement, of a campaign
+    "Port",  # of an entity, between the RTL under Verilator and the robot
     "Range",  # low to high: of an axis, of a parameter that is drawn
     "State",  # of the brakes, as in the registers; of the whole core, as read
+    "Step",  # in time, of a campaign's route
 }
 
 
