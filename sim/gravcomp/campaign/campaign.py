@@ -23,7 +23,7 @@ from gravcomp.campaign.measuring import Sitting
 from gravcomp.campaign.report import report_page
 from gravcomp.campaign.route import HOLD, Step, route
 from gravcomp.core.folder import folder_hash
-from gravcomp.core.image import load_image
+from gravcomp.core.image import Image, load_image
 from gravcomp.diagnosis.diagnosis import Diagnosis, diagnose
 from gravcomp.diagnosis.model import Model
 from gravcomp.diagnosis.report.folder import write_report
@@ -142,7 +142,7 @@ class Campaign:
 
     def after(self) -> Iterator[Step]:
         """Load what was found while the robot is held, and measure the held-out steps again."""
-        image = load_image(weights_folder(self.out / "loop", AFTER), self.robot)
+        image = self._image()
 
         def swap() -> None:
             if self.board.host.bank_crc() != image.crc32:
@@ -150,6 +150,10 @@ class Campaign:
 
         steps = {number: self.steps[number] for number in sorted(self.held_out)}
         yield from self._sitting().measure(AFTER, steps, swap)
+
+    def _image(self) -> Image:
+        """What was found, as it is loaded."""
+        return load_image(weights_folder(self.out / "loop", AFTER), self.robot)
 
     def _sitting(self) -> Sitting:
         ranges = [(axis.high - axis.low) * per for axis, per in
@@ -180,7 +184,7 @@ class Campaign:
             "noise": noise(every, self.machine),
             "network": self._network_error(),
             "found": {name: found[name] for name in ("found", "verdict", "effects", "alternatives", "drivers", "next")},
-            "loaded": f"{self.board.host.bank_crc():08x}" if found["loads"] else None,
+            "loaded": f"{self._image().crc32:08x}" if found["loads"] else None,
             "not_loaded": found["why"] or None,
             "sittings": 1 + max(entry.sitting for entry in every),
             **{phase: figures(own) for phase, own in phases.items()},
