@@ -3,10 +3,12 @@
 import json
 import re
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from gravcomp.campaign import campaign as module
 from gravcomp.campaign.campaign import PLAN, Campaign, Plan
 from gravcomp.campaign.figures import efforts, noise
 from gravcomp.campaign.journal import BEFORE, Journal, joined
@@ -209,3 +211,26 @@ def test_command_measures_over_a_line_and_loads_nothing_where_nothing_is_missing
     with ModelBoard(whole()) as board:  # all is measured: nothing moves
         assert command(board, limits, out, *SMALL, "--resume") == 0
         assert not board.core.targets
+
+
+def test_a_cure_that_the_core_cannot_hold_is_told_and_not_loaded(tmp_path, limits, monkeypatch):
+    """A network that was trained again may not fit the formats of the ROM: that is a result, not the end of it."""
+
+    def refuse(*_):
+        raise InputError("output.csv: row 1 does not fit 18 bits")
+
+    entry = SimpleNamespace(name="payload", term=SimpleNamespace(candidate=SimpleNamespace(hardware="network")))
+    found = SimpleNamespace(
+        fit=SimpleNamespace(effects=[entry], corrections=[]), data=SimpleNamespace(name="before.csv")
+    )
+    monkeypatch.setattr(module, "close_loop", lambda *_: None)
+    monkeypatch.setattr(module, "load_image", refuse)
+    with ModelBoard(mover()) as model, Board(Line(model.port, timeout_s=3.0)) as board:
+        settings, gains = load_limits(limits, SPHEIRO), load_motion(limits, SPHEIRO)
+        campaign = Campaign(board, SPHEIRO, settings, gains, tmp_path / "out", Plan())
+        assert campaign._place(found, None) == "output.csv: row 1 does not fit 18 bits"
+        found.fit.effects = []
+        assert campaign._place(found, None) == "nothing is missing"
+        entry.term.candidate.hardware = "none"
+        found.fit.effects = [entry]
+        assert campaign._place(found, None) == "nothing was found that the hardware can hold"

@@ -135,6 +135,7 @@ class Campaign:
         log = {"log": found.data.name}
         try:
             close_loop(found, grown, self.robot, folder, self.plan.seed, f"gravcomp campaign --out {self.out}", log)
+            self._image()
         except InputError as error:
             return str(error)
         fixed = loop_errors(folder)["fixed point"]
