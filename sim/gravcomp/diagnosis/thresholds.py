@@ -18,7 +18,7 @@ SCAN_PRICE = 14.0  # 2 log of the thousand frequencies scanned
 # Sets of terms
 TIE = 9.0  # scores this close cannot be told apart: odds of exp(9/2), about 90
 NEGATIVE_Z = 3.0  # a coefficient that physics makes positive is refused beyond three standard errors below zero
-MAX_TERMS = 14  # as many as 3 axes have ever needed; 30 for a real arm of six cost twice the time and no name
+MAX_TERMS = 14  # as many as 3 axes have ever needed; bounds the time, which 30 double on a real arm of six
 CANCELLATION = 3.0  # single terms may have this many times the energy of their sum; tuned
 TRIFLE = 0.005  # of the energy explained: an effect below may imitate an error of the others; tuned
 TRIFLE_LEFT = 0.1  # of the energy left: an effect that takes more is none, however small beside the rest; tuned

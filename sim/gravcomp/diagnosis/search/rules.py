@@ -106,19 +106,19 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray, imitable: M
     noise (k,): what no model made. Where effects leave more than REMAINDER times that, each has to account for
     NAMED_BESIDE times what they leave of it, beside the other effects; the weakest goes first. An effect of single axes
     is asked on each of them: what is unknown of a shoulder is no doubt about a wrist. imitable (k,), by name: the part
-    of what is left that the effect could be a part of at all; a friction is no part of what is the same both ways.
+    of what all effects leave that the effect could be a part of at all; a friction is no part of what is the same both
+    ways. Of what names leave that are withdrawn nothing like it is known: it counts whole.
     """
     members, floor = choice.members, criterion.gram.independent * np.square(noise)
+    first = criterion.left_by_axis(criterion.effects_of(members))
     while effects := criterion.effects_of(members):
         left = criterion.left_by_axis(effects)
         if np.maximum(left - floor, 0.0).sum() < (REMAINDER**2 - 1.0) * floor.sum():
             break
-        every = np.ones(len(floor))
-        doubts = [
-            own
-            for k in sorted(effects)
-            for own in _doubts(criterion, effects, k, left, floor, imitable.get(criterion.terms[k].name, every))
-        ]
+        every, doubts = np.ones(len(floor)), []
+        for k in sorted(effects):
+            like_it = imitable.get(criterion.terms[k].name, every)
+            doubts += _doubts(criterion, effects, k, left - first + first * like_it, floor * like_it)
         worth, k, part = min(doubts, key=lambda own: own[0], default=(np.inf, 0, None))
         if worth >= 1.0:
             break
@@ -130,14 +130,14 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray, imitable: M
     return Choice(members, choice.is_physics_whole and _is_whole(criterion, effects, members))
 
 
-def _doubts(criterion: Criterion, effects: Members, k: int, left: np.ndarray, floor: np.ndarray, imitable):
+def _doubts(criterion: Criterion, effects: Members, k: int, left: np.ndarray, floor: np.ndarray):
     """What effect k accounts for beside the others, in parts of what it must, with the part of it that stays without
     that (None: nothing): the whole, which must account for NAMED_BESIDE times what is unnamed. Of an effect of single
     axes each axis where anything is: it must do the same there where the whole does not, or where it has as many
     coefficients there as a table, which imitate much (then the noise may be as low as its estimate is sure to be); else
-    it must account for as much as is unnamed.
+    it must account for as much as is unnamed. left, floor (k,): of what it could be a part of.
     """
-    term, own, unnamed = criterion.terms[k], criterion.left(effects), np.maximum(left - floor, 0.0) * imitable
+    term, own, unnamed = criterion.terms[k], criterion.left(effects), np.maximum(left - floor, 0.0)
     whole = (criterion.left(effects - {k}) - own) / max(unnamed.sum(), TINY) / NAMED_BESIDE
     axes = Counter(label.axis for label in term.labels) if term.candidate.is_by_axis else {}
     if not axes:
@@ -148,7 +148,7 @@ def _doubts(criterion: Criterion, effects: Members, k: int, left: np.ndarray, fl
         part = criterion.part(k, kept) if kept else None
         fewer = (effects - {k}) | ({part} if kept else EMPTY)
         is_table = size >= AS_A_TABLE
-        there = (left[axis] - NOISE_AT_LEAST**2 * floor[axis]) * imitable[axis] if is_table else unnamed[axis]
+        there = left[axis] - NOISE_AT_LEAST**2 * floor[axis] if is_table else unnamed[axis]
         if there > (REMAINDER**2 - 1.0) * floor[axis] or (is_table and there > 0.0):
             least = 1.0 if whole >= 1.0 and not is_table else NAMED_BESIDE
             out.append(((criterion.left(fewer) - own) / there / least, k, part))
