@@ -1,32 +1,29 @@
-"""Campaigns on a robot in the physics engine at the RTL under Verilator: a linear axis, whose model lacks cogging."""
+"""Campaigns on a robot in the physics engine at the RTL under Verilator: a linear axis, whose model lacks a spring."""
 
 import json
 import shutil
 
 import numpy as np
 import pytest
-from scipy.stats import chi2
 
 from gravcomp.campaign.campaign import Campaign, Plan
-from gravcomp.campaign.journal import AFTER, BEFORE
-from gravcomp.campaign.measuring import RECORDS_OF_HOLD
-from gravcomp.campaign.route import ONE_IN
+from gravcomp.campaign.journal import BEFORE
+from gravcomp.campaign.route import HOLD
 from gravcomp.cli import main
 from gravcomp.commands.campaign import conduct
-from gravcomp.core.image import load_image
 from gravcomp.driver.board import Board, load_limits
 from gravcomp.driver.moving import load_motion
 from gravcomp.errors import InputError
-from gravcomp.prototype.imperfections import Cogging
+from gravcomp.prototype.imperfections import CableSpring
 from gravcomp.robot.machine import ROBOT_TOML, load_machine
 from gravcomp.shipped import shipped
-from gravcomp_lab.cosim.blind import floor, home
+from gravcomp_lab.cosim.blind import home
 from gravcomp_lab.cosim.library import build, slow_machine
 from gravcomp_lab.cosim.limits import limits_toml
 from gravcomp_lab.cosim.world import World
 from runner import BUILD, ROOT
 
-AMPLITUDE_N, PITCH_M = 2.5, 0.024
+STIFFNESS_N_PER_M, FREE_M = 60.0, 0.21
 PLAN = Plan(poses=8, legs=2, seed=4, speed=0.08)
 STEP_CLOCKS = 80  # one axis needs fewer
 INERTIA = {"inertia"}  # which the robot has, and the legs of so short a campaign show
@@ -76,16 +73,15 @@ def named(content: dict) -> dict[str, dict]:
     return {effect["name"]: effect["params"] for effect in content["found"]["effects"]}
 
 
-def most(content: dict) -> float:
-    """What is left at rest, RMS, is the floor, as far as so few records can tell: 99 % of draws are below this."""
-    n = 2 * RECORDS_OF_HOLD * PLAN.poses // ONE_IN
-    return floor(content) * np.sqrt(chi2.ppf(0.99, n) / n)
+def held_out(campaign: Campaign) -> np.ndarray:
+    """Counts (n, k) of the held-out poses."""
+    return np.array([step.pose for step in campaign.steps if step.is_held_out and step.kind == HOLD])
 
 
-def test_a_campaign_goes_on_after_a_cut_line_and_loads_the_cure(core, tmp_path, capsys):
+def test_a_campaign_goes_on_after_a_cut_line_and_tells_what_is_missing(core, tmp_path, capsys):
     library, folder = core
     machine, out = load_machine(folder), tmp_path / "out"
-    world = CutWorld(library, machine, lambda robot, sizes: [Cogging(sizes, a=AMPLITUDE_N, pitch=PITCH_M)], 1)
+    world = CutWorld(library, machine, lambda robot, sizes: [CableSpring(sizes, k=STIFFNESS_N_PER_M, q0=FREE_M)], 1)
     campaign = campaign_of(world, folder, out)
     states = campaign.home()
     home(world, states)
@@ -102,32 +98,20 @@ def test_a_campaign_goes_on_after_a_cut_line_and_loads_the_cure(core, tmp_path, 
 
     world.exchanges_left, world.engaged = 10**9, 0
     content = conducted(world, campaign_of(world, folder, out, resume=True))
-    assert world.engaged == 2  # at the end of each of two sittings
+    assert world.engaged == 1  # at the end, by the campaign itself
     assert content == json.loads((out / "campaign.json").read_text())
     lines = [json.loads(line) for line in (out / "journal.jsonl").read_text().splitlines()]
     assert [line["step"] for line in lines if line["phase"] == BEFORE] == list(range(10))
     assert [line["sitting"] for line in lines[:5]] == [0, 0, 0, 1, 1]
 
     found = named(content)
-    assert set(found) - INERTIA == {"cogging"}
-    assert found["cogging"]["pitch"] == pytest.approx(PITCH_M, rel=0.02)
-    image = load_image(out / "loop" / "after" / "weights", folder)
-    assert content["loaded"] == f"{image.crc32:08x}"
-    servo = {phase: content[phase]["servo"] for phase in (BEFORE, AFTER)}
-    assert servo[AFTER]["holds"]["rms_n"] <= most(content)
-    assert servo[BEFORE]["holds"]["rms_n"] > 10 * servo[AFTER]["holds"]["rms_n"]
-    assert servo[BEFORE]["motion"]["rms_n"] > 5 * servo[AFTER]["motion"]["rms_n"]
+    assert set(found) - INERTIA == {"cable_spring"}
+    assert found["cable_spring"]["k_1"] == pytest.approx(STIFFNESS_N_PER_M, rel=0.05)
+    # The network that was trained again needs an output weight that the formats of this ROM do not hold.
+    assert content["loaded"] is None
+    assert "does not fit 18 bits" in content["not_loaded"]
+    assert campaign.board.host.bank_crc() == 0
+    spring_n = STIFFNESS_N_PER_M * (machine.drive.positions(held_out(campaign)) - FREE_M)
+    assert content[BEFORE]["servo"]["holds"]["rms_n"] == pytest.approx(np.sqrt(np.mean(spring_n**2)), rel=0.05)
     assert "report.html" in capsys.readouterr().out
     assert (out / "report.html").read_text().count("<svg") == 1
-
-
-def test_nothing_is_loaded_where_nothing_is_missing(core, tmp_path):
-    library, folder = core
-    world = World(library, load_machine(folder), (), 2)
-    campaign = campaign_of(world, folder, tmp_path / "out")
-    content = conducted(world, campaign)
-    assert content["loaded"] is None
-    assert set(named(content)) <= INERTIA
-    assert AFTER not in content
-    assert content[BEFORE]["servo"]["holds"]["rms_n"] <= most(content)
-    assert campaign.board.host.bank_crc() == 0
