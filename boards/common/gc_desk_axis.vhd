@@ -37,6 +37,8 @@ end entity gc_desk_axis;
 architecture rtl of gc_desk_axis is
 
   constant fraction_c : positive := 16;
+  -- Where both channels are high, the phase in which gc_quad_decoder looks for it.
+  constant mark_c     : integer  := 2;
   -- A count in 16 steps: 16 * step_clocks_g clocks from edge to edge.
   constant fastest_c  : signed(fraction_c downto 0) := to_signed(2 ** (fraction_c - 4), fraction_c + 1);
   constant hand_c     : signed(fraction_c downto 0) := to_signed(2 ** (fraction_c - 5), fraction_c + 1);
@@ -135,7 +137,7 @@ begin
       pin_a <= count_v(1) xor count_v(0);
       pin_b <= count_v(1);
       pin_z <= '0';
-      if count_v = 0 then
+      if count_v = mark_c then
         pin_z <= '1';
       end if;
     end if;
