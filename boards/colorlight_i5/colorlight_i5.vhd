@@ -24,7 +24,9 @@ entity colorlight_i5 is
     desk_step_g      : positive := 64;
     lanes_g          : positive := 1;
     loadable_g       : boolean := true;
-    brake_feedback_g : boolean := false
+    brake_feedback_g : boolean := false;
+    motion_g         : boolean := false;
+    record_bits_g    : positive := 12
   );
   port (
     clk_25mhz  : in    std_ulogic;
@@ -66,7 +68,12 @@ begin
       desk_step_g      => desk_step_g,
       lanes_g          => lanes_g,
       loadable_g       => loadable_g,
-      brake_feedback_g => brake_feedback_g
+      brake_feedback_g => brake_feedback_g,
+      motion_g         => motion_g,
+      record_bits_g    => record_bits_g,
+      adc_g            => false,
+      adc_zero_g       => 0,
+      adc_scale_g      => 0
     )
     port map (
       clk_osc       => clk_25mhz,
@@ -84,6 +91,10 @@ begin
       pin_enable    => drive_on,
       pin_release   => brake_free,
       pin_engage    => brake_hold,
+      pin_adc_cs_n  => open,
+      pin_adc_sclk  => open,
+      pin_adc_mosi  => open,
+      pin_adc_miso  => '0',
       led           => led
     );
 

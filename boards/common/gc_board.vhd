@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
 --
--- What every board holds between its pins: PLL, reset, gc_serial_system, and a PWM per axis; or, for a board on a desk
--- without a robot, an axis with its encoder and brake in place of the pins.
+-- What every board holds between its pins: PLL, reset, gc_serial_system, a PWM per axis and, where the board has one, the
+-- serial ADC that reads their currents; or, for a board on a desk without a robot, an axis with its encoder and brake in
+-- place of the pins, whose current is the one commanded.
 --
 -- Registers and the line run on the oscillator, the core on the PLL: each side watches the other's clock.
 -- Latency: see gc_serial_system.
@@ -30,7 +31,14 @@ entity gc_board is
     -- Those of gc_system.
     lanes_g          : positive;
     loadable_g       : boolean;
-    brake_feedback_g : boolean
+    brake_feedback_g : boolean;
+    motion_g         : boolean;
+    record_bits_g    : positive;
+    -- Whether there is a serial ADC as of gc_adc_spi, with the currents of the axes on channels 0 up; its code of no
+    -- current, and uA per code with 8 bits behind the point.
+    adc_g            : boolean;
+    adc_zero_g       : natural;
+    adc_scale_g      : integer
   );
   port (
     clk_osc       : in    std_ulogic;
@@ -50,12 +58,52 @@ entity gc_board is
     pin_enable    : out   std_ulogic;
     pin_release   : out   std_ulogic_vector(axes_c - 1 downto 0);
     pin_engage    : out   std_ulogic_vector(axes_c - 1 downto 0);
+    -- The ADC; without one, leave pin_adc_miso low and the others open.
+    pin_adc_cs_n  : out   std_ulogic;
+    pin_adc_sclk  : out   std_ulogic;
+    pin_adc_mosi  : out   std_ulogic;
+    pin_adc_miso  : in    std_ulogic;
     -- Powered, running, irq.
     led           : out   std_ulogic_vector(7 downto 0)
   );
 end entity gc_board;
 
 architecture rtl of gc_board is
+
+  function zeros return unsigned is
+
+    variable zeros_v : unsigned(axes_c * 16 - 1 downto 0);
+
+  begin
+
+    for k in 0 to axes_c - 1 loop
+
+      zeros_v(16 * k + 15 downto 16 * k) := to_unsigned(adc_zero_g, 16);
+
+    end loop;
+
+    return zeros_v;
+
+  end function zeros;
+
+  function scales return signed is
+
+    variable scales_v : signed(axes_c * 24 - 1 downto 0);
+
+  begin
+
+    for k in 0 to axes_c - 1 loop
+
+      scales_v(24 * k + 23 downto 24 * k) := to_signed(adc_scale_g, 24);
+
+    end loop;
+
+    return scales_v;
+
+  end function scales;
+
+  constant adc_zero_c  : unsigned(axes_c * 16 - 1 downto 0) := zeros;
+  constant adc_scale_c : signed(axes_c * 24 - 1 downto 0)   := scales;
 
   signal clk           : std_ulogic;
   signal locked        : std_ulogic;
@@ -68,7 +116,10 @@ architecture rtl of gc_board is
   signal enc_error     : std_ulogic_vector(axes_c - 1 downto 0);
   signal estop_n       : std_ulogic;
   signal brake_fed     : std_ulogic_vector(axes_c - 1 downto 0);
+  signal commanded     : std_ulogic;
   signal current       : signed(axes_c * current_bits_c - 1 downto 0);
+  signal sense_valid   : std_ulogic_vector(axes_c - 1 downto 0);
+  signal sense_current : signed(axes_c * current_bits_c - 1 downto 0);
   signal enable        : std_ulogic;
   signal brake_release : std_ulogic_vector(axes_c - 1 downto 0);
   signal brake_engage  : std_ulogic_vector(axes_c - 1 downto 0);
@@ -100,7 +151,9 @@ begin
       lanes_g          => lanes_g,
       clock_hz_g       => clock_hz_c,
       loadable_g       => loadable_g,
-      brake_feedback_g => brake_feedback_g
+      brake_feedback_g => brake_feedback_g,
+      motion_g         => motion_g,
+      record_bits_g    => record_bits_g
     )
     port map (
       bus_clk       => clk_osc,
@@ -115,12 +168,14 @@ begin
       pin_z         => enc_z,
       pin_error     => enc_error,
       estop_n       => estop_n,
-      drive_valid   => open,
+      drive_valid   => commanded,
       drive_current => current,
       drive_enable  => enable,
       brake_release => brake_release,
       brake_engage  => brake_engage,
-      brake_fed     => brake_fed
+      brake_fed     => brake_fed,
+      sense_valid   => sense_valid,
+      sense_current => sense_current
     );
 
   g_pwm : for k in 0 to axes_c - 1 generate
@@ -151,6 +206,48 @@ begin
       out_valid     => open,
       out_data(0)   => core_rst
     );
+
+  g_sense : if selftest_g generate
+
+    sense_valid <= (others => commanded);
+    sense_current <= current;
+
+  elsif adc_g generate
+
+    -- One scan behind the other.
+    i_adc : entity work.gc_adc_spi
+      generic map (
+        channels_g => axes_c
+      )
+      port map (
+        clk           => clk,
+        rst           => core_rst,
+        in_valid      => '1',
+        pin_cs_n      => pin_adc_cs_n,
+        pin_sclk      => pin_adc_sclk,
+        pin_mosi      => pin_adc_mosi,
+        pin_miso      => pin_adc_miso,
+        cfg_zero      => adc_zero_c,
+        cfg_scale     => adc_scale_c,
+        sense_valid   => sense_valid,
+        sense_current => sense_current,
+        sts_errors    => open
+      );
+
+  else generate
+
+    sense_valid <= (others => '0');
+    sense_current <= (others => '0');
+
+  end generate g_sense;
+
+  g_no_adc : if selftest_g or not adc_g generate
+
+    pin_adc_cs_n <= '1';
+    pin_adc_sclk <= '1';
+    pin_adc_mosi <= '0';
+
+  end generate g_no_adc;
 
   g_pins : if not selftest_g generate
 

@@ -23,7 +23,12 @@ entity ulx3s is
     desk_step_g      : positive := 64;
     lanes_g          : positive := 1;
     loadable_g       : boolean := true;
-    brake_feedback_g : boolean := false
+    brake_feedback_g : boolean := false;
+    motion_g         : boolean := false;
+    record_bits_g    : positive := 12;
+    -- Of the currents at the board's ADC: code of none, and uA per code with 8 bits behind the point: 5 A in 2048.
+    adc_zero_g       : natural := 2048;
+    adc_scale_g      : integer := 625_000
   );
   port (
     clk_25mhz  : in    std_ulogic;
@@ -45,7 +50,11 @@ entity ulx3s is
     pwm_down   : out   std_ulogic_vector(axes_c - 1 downto 0);
     drive_on   : out   std_ulogic;
     brake_free : out   std_ulogic_vector(axes_c - 1 downto 0);
-    brake_hold : out   std_ulogic_vector(axes_c - 1 downto 0)
+    brake_hold : out   std_ulogic_vector(axes_c - 1 downto 0);
+    adc_csn    : out   std_ulogic;
+    adc_sclk   : out   std_ulogic;
+    adc_mosi   : out   std_ulogic;
+    adc_miso   : in    std_ulogic
   );
 end entity ulx3s;
 
@@ -68,7 +77,13 @@ begin
       desk_step_g      => desk_step_g,
       lanes_g          => lanes_g,
       loadable_g       => loadable_g,
-      brake_feedback_g => brake_feedback_g
+      brake_feedback_g => brake_feedback_g,
+      motion_g         => motion_g,
+      record_bits_g    => record_bits_g,
+      -- Its inputs are pins of the fourth axis.
+      adc_g            => axes_c <= 3,
+      adc_zero_g       => adc_zero_g,
+      adc_scale_g      => adc_scale_g
     )
     port map (
       clk_osc       => clk_25mhz,
@@ -86,6 +101,10 @@ begin
       pin_enable    => drive_on,
       pin_release   => brake_free,
       pin_engage    => brake_hold,
+      pin_adc_cs_n  => adc_csn,
+      pin_adc_sclk  => adc_sclk,
+      pin_adc_mosi  => adc_mosi,
+      pin_adc_miso  => adc_miso,
       led           => led
     );
 
