@@ -104,8 +104,8 @@ def changed(column: str, factor: float):
         (changed("output_bias", 90), "output.csv: its sums need"),
         (changed("q_scale", 0.4), "scaling.csv: row 1, column q_scale: the trained range is wider"),
         (changed("q_scale", 1.5), "scaling.csv: row 1, column q_scale is too large"),
-        (changed("f_scale", 2), "scaling.csv: row 1, column f_scale is too large"),
-        (changed("f_scale", 0.5), "scaling.csv: row 1, column f_offset / f_scale"),
+        (changed("f_scale", 4), "output.csv: row 1, column v_"),
+        (changed("f_offset", 9), "scaling.csv: row 1, column f_offset / f_scale"),
         (lambda n: replace(n, f_offset=0 * n.f_offset, f_scale=n.f_scale / 100), "too small for the format"),
         (lambda n: replace(n, q_offset=n.q_offset + 0.01), "scaling.csv: row 1, column q_offset"),
         (
@@ -123,6 +123,23 @@ def test_what_the_core_cannot_hold_is_refused(tmp_path, change, complaint):
     machine_folder(tmp_path, change(load_network(SPHEIRO)))
     with pytest.raises(InputError, match=complaint):
         load_image(tmp_path, SPHEIRO)
+
+
+@pytest.mark.parametrize("factor", [0.6, 1.0, 1.4])
+def test_same_network_at_another_output_scale_is_the_same_forces(tmp_path, factor):
+    """The weights and the offset of one, and the scale of the other, would not fit as they stand."""
+    network = load_network(SPHEIRO)
+    other = replace(
+        network,
+        output_weights=network.output_weights * factor,
+        output_bias=network.output_bias * factor,
+        f_scale=network.f_scale / factor,
+    )
+    machine_folder(tmp_path, other)
+    image, plain = load_image(tmp_path, SPHEIRO), image_of(SPHEIRO)
+    # Against the float network, which is the same: what a rounding of the weights costs, the shipped ones being rounded.
+    assert image.precision.largest_mn < plain.precision.limit_mn
+    assert np.all(image.network.output_scale_fraction == plain.network.output_scale_fraction)
 
 
 def test_command_writes_the_words_and_tells_their_crc(tmp_path):

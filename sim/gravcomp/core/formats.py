@@ -46,7 +46,7 @@ INPUT_LIMIT = 1.0 - 2.0**-16
 # Head room of y over the trained range [-1, 1] before the output saturates.
 OUTPUT_HEADROOM = 1.0625
 
-_OPERAND_MAX = 2 ** (OPERAND_BITS - 1) - 1
+OPERAND_MAX = 2 ** (OPERAND_BITS - 1) - 1
 _SCALE_CODE_MIN = 1024  # a scale is then exact to 0.05 %
 _FRACTION_MAX = 24  # finer weights than this would only widen the sums
 _SCALE_FRACTION_MAX = 31  # half of it must fit a VHDL integer; products of 36 bits would vanish with more
@@ -361,12 +361,12 @@ def fraction_for(
     fraction = least - 1 if math.isinf(largest) else most
     if 0 < largest < math.inf:
         fraction = OPERAND_BITS - 1 - math.ceil(math.log2(largest))
-    if fraction >= least and round(largest * 2.0**fraction) > _OPERAND_MAX:
+    if fraction >= least and round(largest * 2.0**fraction) > OPERAND_MAX:
         fraction -= 1
     if fraction < least:
         raise InputError(
             f"{path}: row {row + 1}, column {columns[column]}: {values[row, column]:g} does not fit "
-            f"{OPERAND_BITS} bits (limit {_OPERAND_MAX / 2**least:.6g}); give smaller values"
+            f"{OPERAND_BITS} bits (limit {OPERAND_MAX / 2**least:.6g}); give smaller values"
         )
     return min(fraction, most)
 
@@ -410,7 +410,7 @@ def _scales(
 
 def _scale(factor: float, where: str, least: int, is_kept: bool) -> tuple[int, int]:
     """A factor as a code and its fraction bits: as many as fit, or with is_kept the least."""
-    most = math.floor(math.log2(_OPERAND_MAX) - math.log2(factor)) if 0 < factor < math.inf else -1
+    most = math.floor(math.log2(OPERAND_MAX) - math.log2(factor)) if 0 < factor < math.inf else -1
     if not least <= most:
         raise InputError(f"{where} is too large or small for {OPERAND_BITS} bits; check its unit")
     fraction = least if is_kept else min(most, _SCALE_FRACTION_MAX)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from gravcomp.core import lean
 from gravcomp.core.formats import FixedNetwork, quantise
+from gravcomp.core.output_scale import rescaled
 from gravcomp.errors import InputError
 from gravcomp.network.weights import Network
 from gravcomp.robot.machine import LEAN, ROBOT_TOML, Machine
@@ -24,5 +25,5 @@ def quantised(
             "give that"
         )
     if not is_lean:
-        return quantise(network, machine.drive, folder, formats)
+        return quantise(rescaled(network, formats) if formats else network, machine.drive, folder, formats)
     return lean.lean_network(network, machine.drive, machine.robot.workspace(lean.N_POSES, lean.SEED), folder, formats)
