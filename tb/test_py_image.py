@@ -137,7 +137,7 @@ def test_same_network_at_another_output_scale_is_the_same_forces(tmp_path, facto
     )
     machine_folder(tmp_path, other)
     image, plain = load_image(tmp_path, SPHEIRO), image_of(SPHEIRO)
-    # Against the float network, which is the same: what a rounding of the weights costs, the shipped ones being rounded.
+    # Against the float network, which is the same. The shipped weights are rounded with care, these as they come.
     assert image.precision.largest_mn < plain.precision.limit_mn
     assert np.all(image.network.output_scale_fraction == plain.network.output_scale_fraction)
 
