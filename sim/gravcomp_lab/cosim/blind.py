@@ -81,6 +81,7 @@ def blind_campaign(library: Path, folder: Path, out: Path, plan: Plan, seed: int
             resume=(out / "plan.json").exists(),
         )  # fmt: skip
         report = conduct(campaign, lambda states: home(world, states))
+        world.wait(2)  # until the brakes that it has engaged have fallen
         clocks = world.port.clock
     wall_s, cpu_s = time.monotonic() - start, time.process_time() - cpu
     effects = world.plant.effects
