@@ -64,7 +64,7 @@ def build(board: BoardPart, weights: Path, rtl: Path, out: Path, *, selftest: bo
         begin("place and route")
         report = run_nextpnr(
             netlist.json, device=board.device, package=board.package, speed=board.speed, seed=seed, out=out,
-            router="router2", constraints=board.constraints,
+            router="router1", constraints=board.constraints,
         )  # fmt: skip
         used, clocks = _report(report)
         _check_clocks(clocks, out)
