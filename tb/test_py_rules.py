@@ -136,6 +136,15 @@ def test_candidates_that_physics_refuses_leave_their_place_to_the_next():
     assert climb(criterion, frozenset(), criterion.corrections) == {30}
 
 
+def test_nothing_is_added_where_nothing_counts_any_more():
+    """Every sample with weight zero, as where no direction is sure: nothing is left to explain."""
+    x = np.random.default_rng(3).standard_normal((N, 1))
+    term = Regressor(Term(Nameless(), (Parameter("y"),)), (x,))
+    gram = Gram([term], x, np.zeros((N, 1)), np.array([NOISE**2]), np.array([2.0]))
+    criterion = Criterion([term.term], gram, 0, {})
+    assert climb(criterion, frozenset(), criterion.corrections) == frozenset()
+
+
 class Simple(Candidate):
     name, price, is_simple = "simple", 8.0, True
 

@@ -215,3 +215,9 @@ def test_pairs_are_two_effects_that_do_not_make_one(tmp_path):
         truth = draw("pair", seed).truth
         assert len(set(truth)) == 2
         assert not any(same.issuperset(truth) for same in ONE_EFFECT)
+
+
+def test_reading_that_leaves_no_direction_sure_is_none():
+    """A slide that creeps one way: a lag of two seconds, which inertia looks like, would leave no sample to judge."""
+    found = run_model_case("pair", 132035927)
+    assert set(found.named) == {"presliding_hysteresis", "inertia"}

@@ -206,7 +206,8 @@ def _best(attempts: list[_Attempt], train: np.ndarray) -> _Attempt:
 def _as_right_sensors_write(data: Measurement, beside=0.0) -> list[tuple[Measurement, list[Entry]]]:
     """Readings of the log without the effects of sensors that it shows by itself, and these.
 
-    The first has only those that no effect of the machine could show; the others are sought beside a force (n, k).
+    The first has only those that no effect of the machine could show; the others are sought beside a force (n, k), and
+    are none where they leave an axis without a sample whose direction is sure.
     """
     found, doubtful = [], []
     for effect in sorted((kind() for kind in EFFECTS), key=lambda effect: not effect.is_certain):
@@ -220,7 +221,8 @@ def _as_right_sensors_write(data: Measurement, beside=0.0) -> list[tuple[Measure
                 found.append(entry)
             else:
                 doubtful.append((effect.corrected(data, parameters), entry))
-    return [(data, found)] + [(read, [*found, entry]) for read, entry in doubtful]
+    can_be_judged = [(read, entry) for read, entry in doubtful if not read.is_undecided.all(axis=0).any()]
+    return [(data, found)] + [(read, [*found, entry]) for read, entry in can_be_judged]
 
 
 def _shares_of_sensors(entries: list[Entry], use: np.ndarray, written: np.ndarray, before: np.ndarray) -> dict:

@@ -63,8 +63,10 @@ def additions(criterion: Criterion, members: Members, candidates) -> list[Member
     would need one each. Where physics refuses all of them the next have their turn.
     """
     gram, candidates = criterion.gram, [k for k in candidates if fits(criterion, members, k)]
-    m = gram.independent
-    unit = criterion.left(members) / max(float(m @ gram.variance), TINY)
+    m, left = gram.independent, criterion.left(members)
+    if left <= 0.0:
+        return []
+    unit = left / max(float(m @ gram.variance), TINY)
     gains = gram.gains(criterion.index(members), [criterion.place[k] for k in candidates])
     worth = {
         k: gain / unit - rank * np.log(m.sum()) - criterion.terms[k].candidate.price
