@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import cocotb
@@ -13,19 +12,15 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, Timer
 from cocotbext.uart import UartSink, UartSource
 
-from codes import weights_under_test
-from gravcomp.driver.board import Board as Driver
 from gravcomp.driver.host import Result
-from gravcomp.driver.serial_bus import Line
 from gravcomp.facts import State as Brakes
 from gravcomp_lab.boards.board import boards
 from runner import BUILD, ROOT, simulate
 from support.serial_board import SerialBoard
-from test_rtl_serial_system import settings
+from test_rtl_serial_system import WATCHDOG_US
 
 ULX3S = boards(ROOT / "boards")["ulx3s-85f"]
 BAUD = 3_000_000
-WATCHDOG_US = 1000
 # The core's clock is that of the oscillator over eight (gc_pll), and counts its times as if it were 40 MHz.
 DIVIDED = 8
 SLOWER = 40 * DIVIDED / 25
@@ -48,17 +43,6 @@ class Pins(SerialBoard):
         await Timer(100, "us")
 
 
-def client(port: str) -> dict:
-    """Home while the desk's hand moves the axes, hold, look at it, and die."""
-    with Driver(Line(port, BAUD, timeout_s=300.0, attempts=1)) as driver:
-        driver.check_machine(weights_under_test())
-        *_, homed = driver.home(settings())
-        driver.host.configure(driver.identity, replace(settings(), watchdog_us=WATCHDOG_US))
-        result = driver.host.release(20)
-        driver.host.kick()
-        return {"homed": homed.referenced, "result": result, **vars(driver.host.read())}
-
-
 async def duties(dut) -> list[float]:
     """Duty of the PWM of each axis, up less down, over a period."""
     high = [0] * 3
@@ -75,7 +59,7 @@ async def desk(dut):
     await board.start()
     assert int(dut.brake_hold.value) == 7
     assert int(dut.brake_free.value) == 0
-    code = f"import json, test_rtl_boards as t; print(json.dumps(t.client({board.serve()!r})))"
+    code = f"import json, test_rtl_serial_system as t; print(json.dumps(t.client({board.serve()!r})))"
     running = subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env={**os.environ, "COCOTB_TEST_MODULES": ""}
     )

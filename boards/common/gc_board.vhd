@@ -70,41 +70,6 @@ end entity gc_board;
 
 architecture rtl of gc_board is
 
-  function zeros return unsigned is
-
-    variable zeros_v : unsigned(axes_c * 16 - 1 downto 0);
-
-  begin
-
-    for k in 0 to axes_c - 1 loop
-
-      zeros_v(16 * k + 15 downto 16 * k) := to_unsigned(adc_zero_g, 16);
-
-    end loop;
-
-    return zeros_v;
-
-  end function zeros;
-
-  function scales return signed is
-
-    variable scales_v : signed(axes_c * 24 - 1 downto 0);
-
-  begin
-
-    for k in 0 to axes_c - 1 loop
-
-      scales_v(24 * k + 23 downto 24 * k) := to_signed(adc_scale_g, 24);
-
-    end loop;
-
-    return scales_v;
-
-  end function scales;
-
-  constant adc_zero_c  : unsigned(axes_c * 16 - 1 downto 0) := zeros;
-  constant adc_scale_c : signed(axes_c * 24 - 1 downto 0)   := scales;
-
   signal clk           : std_ulogic;
   signal locked        : std_ulogic;
   signal reset_request : std_ulogic;
@@ -213,6 +178,16 @@ begin
     sense_current <= current;
 
   elsif adc_g generate
+    signal zero  : unsigned(axes_c * 16 - 1 downto 0);
+    signal scale : signed(axes_c * 24 - 1 downto 0);
+  begin
+
+    g_axis : for k in 0 to axes_c - 1 generate
+
+      zero(16 * k + 15 downto 16 * k) <= to_unsigned(adc_zero_g, 16);
+      scale(24 * k + 23 downto 24 * k) <= to_signed(adc_scale_g, 24);
+
+    end generate g_axis;
 
     -- One scan behind the other.
     i_adc : entity work.gc_adc_spi
@@ -227,8 +202,8 @@ begin
         pin_sclk      => pin_adc_sclk,
         pin_mosi      => pin_adc_mosi,
         pin_miso      => pin_adc_miso,
-        cfg_zero      => adc_zero_c,
-        cfg_scale     => adc_scale_c,
+        cfg_zero      => zero,
+        cfg_scale     => scale,
         sense_valid   => sense_valid,
         sense_current => sense_current,
         sts_errors    => open

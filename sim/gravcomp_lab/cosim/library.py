@@ -9,7 +9,6 @@ import ctypes
 import hashlib
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 from gravcomp.core.vhdl.network_package import write_rom
@@ -17,6 +16,7 @@ from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp.prototype.engine import TIME_STEP_S
 from gravcomp.robot.machine import ROBOT_TOML, load_machine
+from gravcomp_lab.synthesis.verilator import run_verilator
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 
 TOP = "gc_system"
@@ -26,7 +26,7 @@ MOST_AXES = 8
 _STANDSTILL_S = 0.25  # without an edge
 WRAPPER = Path(__file__).with_name("cosim.cpp")
 _VERILATOR = [
-    *("verilator", "--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"),
+    *("--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"),
     *("--default-language", "1364-2005", "--top-module", TOP, "-LDFLAGS", "-shared"),
     *("-Wno-lint", "-Wno-COMBDLY", "-Wno-INITIALDLY", "-Wno-UNOPTFLAT"),
 ]
@@ -82,12 +82,6 @@ def build(machine: Path, rtl: Path, folder: Path, lanes: int = 1) -> Path:
 
 
 def _compile(verilog: Path, folder: Path, library: Path) -> None:
-    command = [*_VERILATOR, "-CFLAGS", _COMPILER, "--Mdir", folder, "-o", "cosim.so", verilog, WRAPPER]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    except FileNotFoundError:
-        raise InputError("verilator: not found; start `scripts/setup.sh verilator`") from None
-    if done.returncode:
-        raise InputError(f"verilator: {(done.stderr.strip() or done.stdout.strip())[-2000:]}")
+    run_verilator([*_VERILATOR, "-CFLAGS", _COMPILER, "--Mdir", folder, "-o", "cosim.so", verilog, WRAPPER])
     (folder / "cosim.so").rename(library)
     shutil.rmtree(folder)

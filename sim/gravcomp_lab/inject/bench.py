@@ -8,6 +8,7 @@ from pathlib import Path
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp_lab.inject.state import Store, find_state, make_public
+from gravcomp_lab.synthesis.verilator import run_verilator
 from gravcomp_lab.synthesis.verilog import to_verilog
 
 TOP = "gc_system"
@@ -51,13 +52,7 @@ def build(sources: Sequence[Path], generics: dict[str, int], bench: Path, folder
         flags,
     ]
     options += ["-Wno-lint", "-Wno-INITIALDLY", "-Wno-UNOPTFLAT", "--top-module", TOP, "--Mdir", folder / "verilated"]
-    command = ["verilator", *options, "-o", "bench", verilog, bench.resolve()]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    except FileNotFoundError:
-        raise InputError("verilator: not found; start `scripts/setup.sh verilator`") from None
-    if done.returncode:
-        raise InputError(f"verilator: {(done.stderr.strip() or done.stdout.strip())[-2000:]}")
+    run_verilator([*options, "-o", "bench", verilog, bench.resolve()])
     return Design(folder / "verilated" / "bench", stores)
 
 
