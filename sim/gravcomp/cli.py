@@ -19,7 +19,7 @@ from gravcomp.errors import InputError
 # In the order of the work.
 COMMANDS = (
     *("import", "diagnose", "plan", "new", "train", "import-network", "adopt", "formats", "certify"),
-    *("rom", "vectors", "image", "board", "campaign", "loop", "correct", "measure"),
+    *("rom", "vectors", "image", "board", "campaign", "loop", "correct", "export", "measure"),
 )
 
 

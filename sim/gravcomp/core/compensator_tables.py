@@ -54,12 +54,17 @@ class FixedCompensation:
         return len(self.phase_step)
 
 
+def node_speeds(drive: Drive) -> np.ndarray:
+    """Speeds (N_SPEEDS, n) of the nodes of friction and mu, m/s or rad/s, falling."""
+    octave, eighth = np.divmod(np.arange(N_SPEEDS), 2**MANTISSA_BITS)
+    period = 2.0**octave * (1 + eighth / 2**MANTISSA_BITS)
+    return 4 * drive.clock_hz * drive.unit_per_count / period[:, None]
+
+
 def quantise_compensation(c: Compensation, drive: Drive, folder: Path | str = "weights") -> FixedCompensation:
     """Tables of the hardware from the constants; folder names their source. Raises InputError when one doesn't fit."""
     where = Path(folder) / COMPENSATION_CSV
-    octave, eighth = np.divmod(np.arange(N_SPEEDS), 2**MANTISSA_BITS)
-    period = 2.0**octave * (1 + eighth / 2**MANTISSA_BITS)
-    speed = 4 * drive.clock_hz * drive.unit_per_count / period[:, None]
+    speed = node_speeds(drive)
     turns = np.arange(N_POSITIONS)[:, None] / N_POSITIONS * np.ones(c.n_axes)
     cogging_mn = np.rint(1e3 * c.cogging(turns))
     pitch_counts = c.pitch / drive.unit_per_count
