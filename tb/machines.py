@@ -10,7 +10,7 @@ from gravcomp.core.provenance import write_provenance
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.weights import Network, save_network
 from gravcomp.robot.machine import ROBOT_TOML, Drive, load_machine
-from gravcomp_lab.forms import lean_copy
+from gravcomp_lab.forms import form_copy
 from runner import BUILD, RTL
 
 SHIPPED = Path(__file__).resolve().parents[1] / "weights" / "spheiro"
@@ -51,8 +51,8 @@ def changed(*pairs: tuple[str, str], text: str = MACHINE.text) -> str:
 
 
 @cache
-def lean_shipped() -> tuple[Path, Path]:
-    """The shipped machine in the lean form, and a folder with its packages."""
-    folder, generated = lean_copy(SHIPPED, BUILD), BUILD / "lean" / "generated"
+def shipped_in(form: str) -> tuple[Path, Path]:
+    """The shipped machine in another form, and a folder with its packages."""
+    folder, generated = form_copy(SHIPPED, BUILD, form), BUILD / form / "generated"
     write_rom(folder, generated)
     return folder, generated

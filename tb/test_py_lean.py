@@ -19,7 +19,7 @@ from gravcomp.robot.machine import load_machine, parse_machine
 from gravcomp.twin.bounds import fixed_point_error_mn, intervals
 from gravcomp.twin.network import core, hidden_lane, input_scaler, vertex_activation
 from gravcomp.twin.precision import precision
-from gravcomp_lab.forms import lean_copy
+from gravcomp_lab.forms import form_copy
 from gravcomp_lab.paper.operations import lean_on_counted
 from machines import MACHINE, SHIPPED, changed
 
@@ -112,13 +112,13 @@ def test_counted_lean_form_is_the_network(network):
 
 
 def test_form_is_under_the_hash(tmp_path):
-    lean = lean_copy(SHIPPED, tmp_path)
+    lean = form_copy(SHIPPED, tmp_path, "lean")
     assert folder_hash(lean, load_machine(lean)) != folder_hash(SHIPPED, MACHINE)
     assert MACHINE.with_form("paper").core_facts() == MACHINE.core_facts()
 
 
 def test_image_is_loaded_by_the_formats_of_the_lean_core(tmp_path):
-    lean = lean_copy(SHIPPED, tmp_path)
+    lean = form_copy(SHIPPED, tmp_path, "lean")
     image, fixed = load_image(lean, lean), quantised(load_machine(lean), load_network(lean))
     for name, value in vars(fixed).items():
         np.testing.assert_array_equal(getattr(image.network, name), value, err_msg=name)
@@ -126,7 +126,7 @@ def test_image_is_loaded_by_the_formats_of_the_lean_core(tmp_path):
 
 @pytest.mark.parametrize("given_is_lean", [True, False])
 def test_image_for_the_other_form_is_refused(tmp_path, given_is_lean):
-    lean = lean_copy(SHIPPED, tmp_path)
+    lean = form_copy(SHIPPED, tmp_path, "lean")
     given, rom = (lean, SHIPPED) if given_is_lean else (SHIPPED, lean)
     forms = ("lean", "paper") if given_is_lean else ("paper", "lean")
     told = rf"robot.toml: \[network\] form = '{forms[0]}', but the core was built with '{forms[1]}'; give that"
@@ -156,5 +156,5 @@ def test_certify_refuses_the_lean_form(fixed):
 
 def test_unknown_form_is_refused():
     text = changed(('activation = "gamma"', 'activation = "gamma"\nform = "leaner"'))
-    with pytest.raises(InputError, match=r"\[network\] form = 'leaner'; give one of paper, lean"):
+    with pytest.raises(InputError, match=r"\[network\] form = 'leaner'; give one of paper, lean, serial"):
         parse_machine(text, str(SHIPPED / "robot.toml"))

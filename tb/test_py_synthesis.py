@@ -17,7 +17,7 @@ from gravcomp_lab.synthesis.report import picture, tables
 from gravcomp_lab.synthesis.survey import MULTIPLIER, TOP, LanesResult, part_of
 from gravcomp_lab.synthesis.verilog import repair, rtl_sources, to_verilog
 from gravcomp_lab.synthesis.yosys import synthesise
-from machines import lean_shipped
+from machines import shipped_in
 from runner import GENERATED, ROOT, RTL
 
 PINS = ROOT / "tb" / "synthesis.csv"
@@ -73,7 +73,7 @@ def test_pinned_multipliers_are_one_per_product(lanes, products):
 @pytest.mark.parametrize(("lanes", "most_luts"), [(1, 850), (4, 1500), pytest.param(20, 6000, marks=pytest.mark.slow)])
 def test_lean_form_takes_a_multiplier_per_product_and_few_luts(lanes, most_luts, tmp_path):
     """No scaler; a carry cell takes two LUTs."""
-    _, generated = lean_shipped()
+    _, generated = shipped_in("lean")
     cells = core(lanes, "ecp5", tmp_path, generated).cells
     assert cells["MULT18X18D"] == lanes * (INPUTS + 1 + OUTPUTS)
     assert cells["LUT4"] + 2 * cells["CCU2C"] <= most_luts

@@ -10,7 +10,7 @@ from gravcomp.facts import ACTIVATION_CLOCKS
 from gravcomp.twin.network import activation, vertex_activation
 from gravcomp_lab.benches.codes import fixed_network
 from gravcomp_lab.benches.stream import after_resets, latencies, start, stream
-from machines import lean_shipped
+from machines import shipped_in
 from runner import simulate
 
 CODES = np.arange(-(2 ** (OPERAND_BITS - 1)), 2 ** (OPERAND_BITS - 1))
@@ -48,7 +48,7 @@ def test_activation_forgets_what_is_under_way_at_a_reset():
 
 
 def simulate_lean(tests: str) -> None:
-    weights, generated = lean_shipped()
+    weights, generated = shipped_in("lean")
     environment = {"WEIGHTS": str(weights)}
     simulate("gc_activation", "test_rtl_activation", tests=tests, label=f"lean {tests}", environment=environment,
              generated=generated)  # fmt: skip

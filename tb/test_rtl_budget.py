@@ -8,7 +8,7 @@ from codes import weights_under_test
 from gravcomp.network.weights import load_network
 from gravcomp_lab.benches.budget import budget_run
 from gravcomp_lab.paper.operations import OperationCount, lean_on_counted
-from machines import lean_shipped, rtl_of
+from machines import rtl_of, shipped_in
 from runner import BUILD, ROOT, RTL
 from support.ghdl import walks_the_hierarchy
 
@@ -32,7 +32,7 @@ def test_network_of_the_paper_takes_166_multiplications_and_43_sums():
 @pytest.mark.parametrize("lanes", [1, 4])
 def test_lean_form_runs_the_operations_of_its_formula(lanes):
     """p n + n + n m multiplications and n + m sums: no scale, one product in Gamma; its NumPy counts as many."""
-    weights, generated = lean_shipped()
+    weights, generated = shipped_in("lean")
     network = load_network(weights)
     assert lean_on_counted(network, network.q_offset)[1] == OperationCount(multiplications=140, sums=23)
     assert budget_run(lanes, RTL, BUILD / "lean", weights, generated)[0] == {"multiplications": 140, "sums": 23}

@@ -18,7 +18,7 @@ from gravcomp_lab.benches.core import (
     inputs_of,
 )
 from gravcomp_lab.benches.stream import start, stream
-from machines import lean_shipped
+from machines import shipped_in
 from support.core import assert_equal_to_model, check_core, lane_steps
 
 
@@ -79,7 +79,7 @@ def test_core_equals_model_at_its_interval_and_latency(lanes):
 @pytest.mark.parametrize(("lanes", "loadable"), [(1, "false"), (4, "false"), (20, "false"), (1, "true"), (4, "true")])
 def test_lean_core_equals_model_at_its_interval_and_latency(lanes, loadable):
     """17 clocks with 4 lanes, 30 with one, 19 with 20, an inference in every clock."""
-    weights, generated = lean_shipped()
+    weights, generated = shipped_in("lean")
     environment, generics = {"WEIGHTS": str(weights)}, {"loadable_g": loadable}
     check_core(lanes, environment=environment, generated=generated, label="lean", generics=generics)
 

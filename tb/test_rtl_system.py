@@ -27,7 +27,7 @@ from gravcomp_lab.benches.system import (
     path_latency,  # noqa: F401, cocotb finds it here
     path_of,
 )
-from machines import lean_shipped
+from machines import shipped_in
 from runner import simulate
 from support.bit_true import assert_bit_true
 
@@ -646,7 +646,7 @@ def test_system_registers_follow_their_map():
 
 
 def test_system_tells_the_lean_form():
-    weights, generated = lean_shipped()
+    weights, generated = shipped_in("lean")
     simulate_system("form_of_the_network", lanes=1, environment={"WEIGHTS": str(weights)}, generated=generated)
 
 

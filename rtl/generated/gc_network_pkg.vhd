@@ -60,8 +60,10 @@ package gc_network_pkg is
   constant fine_step_c   : signed(104 downto 0) :=
     b"00000000000000000000000000000000000_00000000000000000000000000000000000_00000000000000000000000000000000000";
 
-  -- The form: the paper's, or the lean one, whose scales are 1 as its weights hold them.
-  constant lean_c : boolean := false;
+  -- The form: the paper's, or the lean one, whose scales are 1 as its weights hold them; the serial one is the lean one
+  -- with weights of fewer bits, for gc_core_serial.
+  constant lean_c        : boolean := false;
+  constant serial_form_c : boolean := false;
 
   -- Hidden layer; product_drop: bits that a product loses before it is summed.
   constant weight_fraction_c        : natural  := 15;
@@ -90,7 +92,8 @@ package gc_network_pkg is
     b"010110001110001110_010110001110001110_010110001110001110";
   constant current_scale_fraction_c : axis_bits_t := (0 => 12, 1 => 12, 2 => 12);
 
-  -- Words of the weight ROMs, one per neuron.
+  -- Weights, and words of them, one per neuron.
+  constant weight_bits_c      : positive := 18;
   constant hidden_word_bits_c : positive := 91;
   constant output_word_bits_c : positive := 54;
 

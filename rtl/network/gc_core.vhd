@@ -91,6 +91,10 @@ architecture rtl of gc_core is
 
 begin
 
+  assert not serial_form_c
+    report "gc_core: need a ROM of the form paper or lean, got serial; take gc_core_serial"
+    severity failure;
+
   assert steps_c * lanes_g = hidden_c
     report "gc_core: " & integer'image(hidden_c) & " neurons and " & integer'image(steps_c * lanes_g - hidden_c)
            & " of zero weight, so that " & integer'image(lanes_g) & " lanes divide them"

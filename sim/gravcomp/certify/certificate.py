@@ -47,7 +47,8 @@ class Certifier:
     def __init__(self, machine: Machine, fixed: FixedNetwork):
         if fixed.is_lean:
             raise InputError(
-                f"{machine.where}: [network] form = 'lean': the paper's form alone is followed; give form = 'paper'"
+                f"{machine.where}: [network] form = {fixed.form!r}: the paper's form alone is followed; "
+                "give form = 'paper'"
             )
         if not isinstance(machine.robot, HasFormula):
             raise InputError(

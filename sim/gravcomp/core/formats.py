@@ -26,7 +26,7 @@ from gravcomp.errors import InputError
 from gravcomp.facts import OPERAND_BITS
 from gravcomp.network.inputs import SIN_COS, axis_of_input, weight_columns
 from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, Network
-from gravcomp.robot.machine import ROBOT_TOML, Drive
+from gravcomp.robot.machine import LEAN, PAPER, ROBOT_TOML, SERIAL, Drive
 
 COUNT_BITS = 32
 FORCE_BITS = 24  # mN: +-8388 N
@@ -74,6 +74,9 @@ class FixedNetwork:
     In the lean form (is_lean) both scales are 1, with no fraction: x is the count code and y the effort in mN or mNm,
     weights are per code of x and per mN. Products lose hidden_product_drop and output_product_drop bits before they
     are summed, and biases have as many fraction bits less.
+
+    In the serial form (is_serial, and is_lean) all of that runs on one multiplier, of an operand and a weight, and in
+    one sum: weights have weight_bits, both drops are one, and both sums as wide.
     """
 
     inputs: tuple[str, ...]
@@ -104,6 +107,13 @@ class FixedNetwork:
     hidden_product_drop: int = 0
     output_product_drop: int = 0
     is_lean: bool = False
+    is_serial: bool = False
+    weight_bits: int = OPERAND_BITS
+
+    @property
+    def form(self) -> str:
+        """One of gravcomp.robot.machine.FORMS."""
+        return SERIAL if self.is_serial else LEAN if self.is_lean else PAPER
 
     @property
     def n_hidden(self) -> int:
@@ -352,21 +362,22 @@ def fraction_for(
     columns: list[str],
     kept: int | None = None,
     ends: tuple[int, int] = (0, _FRACTION_MAX),
+    bits: int = OPERAND_BITS,
 ) -> int:
-    """Most fraction bits, within ends, with which an 18-bit operand holds every value of a table (rows, columns), or
-    kept ones."""
+    """Most fraction bits, within ends, with which a code of so many bits holds every value of a table (rows, columns),
+    or kept ones."""
     row, column = np.unravel_index(np.argmax(np.abs(values)), values.shape)
     largest = abs(float(values[row, column]))
     least, most = ends if kept is None else (kept, kept)
     fraction = least - 1 if math.isinf(largest) else most
     if 0 < largest < math.inf:
-        fraction = OPERAND_BITS - 1 - math.ceil(math.log2(largest))
-    if fraction >= least and round(largest * 2.0**fraction) > OPERAND_MAX:
+        fraction = bits - 1 - math.ceil(math.log2(largest))
+    if fraction >= least and round(largest * 2.0**fraction) >= 2 ** (bits - 1):
         fraction -= 1
     if fraction < least:
         raise InputError(
             f"{path}: row {row + 1}, column {columns[column]}: {values[row, column]:g} does not fit "
-            f"{OPERAND_BITS} bits (limit {OPERAND_MAX / 2**least:.6g}); give smaller values"
+            f"{bits} bits (limit {(2 ** (bits - 1) - 1) / 2**least:.6g}); give smaller values"
         )
     return min(fraction, most)
 

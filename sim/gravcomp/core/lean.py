@@ -9,6 +9,11 @@
 - V' reaches from the smallest effort to the largest in 18 bits. It is rounded column by column, the columns left fitted
   again by least squares to the float network over the workspace, in the best of some random orders. One pose in twenty
   is drawn from the whole trained range: what lies outside the workspace is fitted too, but does not lead.
+
+The serial form is this one on a single multiplier, in turn. Its weights have fewer bits, so that two blocks of a small
+part make the product, and more orders are tried as rounding loses more. The square has the place of a weight for
+t = u - 1/2: u^2 = u/2 + u t, gravcomp.twin.network.serial_square. All products lose the same bits: one adder takes
+them.
 """
 
 from collections.abc import Mapping
@@ -22,36 +27,49 @@ from gravcomp.core.formats import FixedNetwork
 from gravcomp.errors import InputError
 from gravcomp.network.inputs import SIN_COS, weight_columns
 from gravcomp.network.weights import HIDDEN_CSV, OUTPUT_CSV, SCALING_CSV, Network
-from gravcomp.robot.machine import ROBOT_TOML, Drive
+from gravcomp.robot.machine import LEAN, ROBOT_TOML, SERIAL, Drive
 from gravcomp.twin import network as bittrue
 
 N_POSES, N_ORDERS, SEED = 20000, 60, 1
+# Of a weight in the serial form: what `gravcomp formats --bits` shows to be enough; no more fits two SB_MAC16.
+SERIAL_BITS, N_SERIAL_ORDERS = 16, 200
 _TRAINED_RANGE_SHARE = 1 / 20
 # Bits below the LSB of a, and below a mN, that products keep: their truncations add up to less than one of it.
 _GUARD_HIDDEN, _GUARD_OUTPUT = 3, 4
 # Beyond the trained efforts. y saturates at a power of two: more room might double what it takes for right.
 _HEADROOM = 2.0**-7
 _WEIGHT_FRACTIONS, _OUTPUT_FRACTIONS = (q.PREACTIVATION_FRACTION, 44), (-q.HIDDEN_FRACTION, 24)
-_LARGEST = 2 ** (q.OPERAND_BITS - 1) - 1
 
 
 def lean_network(
-    network: Network, drive: Drive, q_m: np.ndarray, folder: Path | str = "weights", formats: FixedNetwork | None = None
+    network: Network,
+    drive: Drive,
+    q_m: np.ndarray,
+    folder: Path | str = "weights",
+    formats: FixedNetwork | None = None,
+    serial_bits: int | None = None,
 ) -> FixedNetwork:
     """The lean form of a float network, V' fitted at positions q_m (N, n), m or rad.
 
     folder and formats as in gravcomp.core.formats.quantise; raises InputError as it does, and for inputs sin_cos.
+    serial_bits: for the serial form instead, with weights of so many bits; it keeps no formats.
     """
-    folder = Path(folder)
+    folder, is_serial = Path(folder), serial_bits is not None
     if SIN_COS in network.inputs:
         raise InputError(
-            f"{folder / ROBOT_TOML}: [network] form = 'lean' takes positions alone, not the input sin_cos; "
-            "give form = 'paper'"
+            f"{folder / ROBOT_TOML}: [network] form = {SERIAL if is_serial else LEAN!r} takes positions alone, not the "
+            "input sin_cos; give form = 'paper'"
         )
     if formats:
         q.check_size(network, formats, folder)
     kept = vars(formats) if formats else {}
-    fixed = _with_hidden(q.quantise(network, drive, folder), network, drive, folder, kept)
+    paper = replace(
+        q.quantise(network, drive, folder),
+        is_lean=True,
+        is_serial=is_serial,
+        weight_bits=serial_bits if is_serial else q.OPERAND_BITS,
+    )
+    fixed = _with_hidden(_with_places(paper, network, drive, folder, kept), network, drive, folder, kept)
     shape = round(_TRAINED_RANGE_SHARE * len(q_m)), network.n_axes
     anywhere = np.random.default_rng(SEED).integers(fixed.count_low, fixed.count_high + 1, shape)
     ends = drive.positions(fixed.count_low), drive.positions(fixed.count_high)  # beyond them the core clamps
@@ -59,35 +77,62 @@ def lean_network(
     return _with_output(fixed, network, drive.counts(q_m), 1000.0 * network.forces(q_m), folder, kept)
 
 
-def _with_hidden(paper: FixedNetwork, network: Network, drive: Drive, folder: Path, kept: Mapping) -> FixedNetwork:
-    """Input and hidden layer of the lean form; the clamp is that of the paper's."""
-    path, ones, none = folder / HIDDEN_CSV, np.ones(network.n_axes, np.int64), np.zeros(network.n_axes, np.int64)
+def _with_places(paper: FixedNetwork, network: Network, drive: Drive, folder: Path, kept: Mapping) -> FixedNetwork:
+    """Input of the lean form, where the binary points of both layers are, and what their products lose."""
     shift = q.shift_of_counts(paper.count_low, paper.count_high, folder / SCALING_CSV, kept.get("count_shift"))
-    weights = network.hidden_weights * (network.q_scale * drive.unit_per_count * 2.0**shift)
     columns = [f"{name}, per count code" for name in weight_columns(network.inputs)]
-    fraction = q.fraction_for(weights, path, columns, kept.get("weight_fraction"), _WEIGHT_FRACTIONS)
-    drop = max(fraction - q.PREACTIVATION_FRACTION - _GUARD_HIDDEN, 0)
-    codes = np.rint(np.ldexp(weights, fraction)).astype(np.int64)
+    fraction = q.fraction_for(
+        _per_code(network, drive, shift),
+        folder / HIDDEN_CSV,
+        columns,
+        kept.get("weight_fraction"),
+        _WEIGHT_FRACTIONS,
+        paper.weight_bits,
+    )
+    columns = [f"v_{j}, mN per unit of Gamma" for j in range(1, network.n_hidden + 1)]
+    output_fraction = q.fraction_for(
+        1000.0 * network.f_scale[:, None] * network.output_weights,
+        folder / OUTPUT_CSV,
+        columns,
+        kept.get("output_weight_fraction"),
+        _OUTPUT_FRACTIONS,
+        paper.weight_bits,
+    )
+    drops = fraction - q.PREACTIVATION_FRACTION - _GUARD_HIDDEN, q.HIDDEN_FRACTION + output_fraction - _GUARD_OUTPUT
+    if paper.is_serial:
+        drops = 2 * (min(*drops, bittrue.half_u_shift(replace(paper, output_product_drop=0))),)
+    return replace(
+        paper,
+        count_shift=shift,
+        input_scale=np.ones(network.n_axes, np.int64),
+        input_scale_fraction=np.zeros(network.n_axes, np.int64),
+        x_fraction=0,
+        x_low=paper.count_low >> shift,
+        x_high=paper.count_high >> shift,
+        weight_fraction=fraction,
+        hidden_product_drop=max(drops[0], 0),
+        output_weight_fraction=output_fraction,
+        output_product_drop=max(drops[1], 0),
+    )
+
+
+def _per_code(network: Network, drive: Drive, shift: np.ndarray) -> np.ndarray:
+    """Weights W' (h, n), per code of x."""
+    return network.hidden_weights * (network.q_scale * drive.unit_per_count * 2.0**shift)
+
+
+def _with_hidden(places: FixedNetwork, network: Network, drive: Drive, folder: Path, kept: Mapping) -> FixedNetwork:
+    """Hidden layer of the lean form."""
+    path, shift = folder / HIDDEN_CSV, places.count_shift
+    fraction, drop = places.weight_fraction, places.hidden_product_drop
+    codes = np.rint(np.ldexp(_per_code(network, drive, shift), fraction)).astype(np.int64)
     # What a code lacks of its count on average, in codes, and what products lose. The middle of what a code of a stands
     # for is where the vertex form takes it: nothing is added for that.
     lacks = np.ldexp(codes, -fraction) @ ((1.0 - 2.0**-shift) / 2) + np.ldexp(
         network.n_axes / 2 if drop else 0.0, drop - fraction
     )
     bias = network.hidden_bias - network.hidden_weights @ (network.q_offset * network.q_scale) + lacks
-    fixed = replace(
-        paper,
-        is_lean=True,
-        count_shift=shift,
-        input_scale=ones,
-        input_scale_fraction=none,
-        x_fraction=0,
-        x_low=paper.count_low >> shift,
-        x_high=paper.count_high >> shift,
-        hidden_weights=codes,
-        weight_fraction=fraction,
-        hidden_product_drop=drop,
-        hidden_bias=q.bias_codes(bias, fraction - drop, path),
-    )
+    fixed = replace(places, hidden_weights=codes, hidden_bias=q.bias_codes(bias, fraction - drop, path))
     interval = q.partial_sum_interval(codes, fixed.hidden_bias, fixed.x_low, fixed.x_high, drop)
     bits = q.sum_bits(interval, fixed.preactivation_drop, path, kept.get("hidden_sum_bits"))
     return replace(fixed, hidden_sum_bits=bits)
@@ -97,22 +142,16 @@ def _with_output(
     hidden: FixedNetwork, network: Network, counts: np.ndarray, effort_mn: np.ndarray, folder: Path, kept: Mapping
 ) -> FixedNetwork:
     """Output layer of the lean form for counts (N, n) and the efforts that are wanted (N, n), mN or mNm."""
-    path = folder / OUTPUT_CSV
-    columns = [f"v_{j}, mN per unit of Gamma" for j in range(1, network.n_hidden + 1)]
-    weights = 1000.0 * network.f_scale[:, None] * network.output_weights
-    fraction = q.fraction_for(weights, path, columns, kept.get("output_weight_fraction"), _OUTPUT_FRACTIONS)
-    drop = max(q.HIDDEN_FRACTION + fraction - _GUARD_OUTPUT, 0)
-    h = bittrue.vertex_activation(bittrue.hidden_lane(bittrue.input_scaler(counts, hidden)[0], hidden))
-    codes, bias = _rounded(np.ldexp(h.astype(float), -q.HIDDEN_FRACTION), effort_mn, fraction)
+    fraction, drop = hidden.output_weight_fraction, hidden.output_product_drop
+    h = bittrue.activate(bittrue.hidden_lane(bittrue.input_scaler(counts, hidden)[0], hidden), hidden)
+    codes, bias = _rounded(np.ldexp(h.astype(float), -q.HIDDEN_FRACTION), effort_mn, hidden)
     # The halves of what the last mN and the products lose.
     sum_fraction = q.HIDDEN_FRACTION + fraction - drop
     bias = bias + 0.5 + np.ldexp(network.n_hidden / 2 if drop else 0.0, -sum_fraction)
     fixed = replace(
         hidden,
         output_weights=codes,
-        output_weight_fraction=fraction,
-        output_product_drop=drop,
-        output_bias=q.bias_codes(bias, sum_fraction, path),
+        output_bias=q.bias_codes(bias, sum_fraction, folder / OUTPUT_CSV),
         y_fraction=0,
         y_bits=_y_bits(network, folder / SCALING_CSV, kept.get("y_bits")),
         output_scale=np.ones(network.n_axes, np.int64),
@@ -121,7 +160,11 @@ def _with_output(
     one = 2**q.HIDDEN_FRACTION
     interval = q.partial_sum_interval(codes, fixed.output_bias, -one, one - 1, drop)
     least = fixed.output_drop + fixed.y_bits - q.OPERAND_BITS
-    return replace(fixed, output_sum_bits=q.sum_bits(interval, least, path, kept.get("output_sum_bits")))
+    bits = q.sum_bits(interval, least, folder / OUTPUT_CSV, kept.get("output_sum_bits"))
+    if not hidden.is_serial:
+        return replace(fixed, output_sum_bits=bits)
+    one_sum = max(bits, hidden.hidden_sum_bits, q.bits_for(*bittrue.serial_square_interval(hidden)))
+    return replace(fixed, hidden_sum_bits=one_sum, output_sum_bits=one_sum)
 
 
 def _y_bits(network: Network, path: Path, kept: int | None) -> int:
@@ -134,25 +177,27 @@ def _y_bits(network: Network, path: Path, kept: int | None) -> int:
     return kept or bits
 
 
-def _rounded(h: np.ndarray, effort_mn: np.ndarray, fraction: int) -> tuple[np.ndarray, np.ndarray]:
+def _rounded(h: np.ndarray, effort_mn: np.ndarray, fixed: FixedNetwork) -> tuple[np.ndarray, np.ndarray]:
     """Codes of V' (n, h) and bias (n,), mN, for activations h (N, h) and the efforts that are wanted (N, n)."""
     rng, n_hidden = np.random.default_rng(SEED), h.shape[1]
     columns = np.c_[h, np.ones(len(h))]
     triangle = np.linalg.qr(np.c_[columns, effort_mn], mode="r")  # least squares sees no more of the poses
     a, wanted = triangle[:, : n_hidden + 1], triangle[:, n_hidden + 1 :]
-    best = []
+    fraction, n_orders = fixed.output_weight_fraction, N_SERIAL_ORDERS if fixed.is_serial else N_ORDERS
+    largest, best = 2 ** (fixed.weight_bits - 1) - 1, []
     for y in wanted.T:
-        tried = [_in_order(a, y, rng.permutation(n_hidden), fraction) for _ in range(N_ORDERS)]
+        tried = [_in_order(a, y, rng.permutation(n_hidden), fraction, largest) for _ in range(n_orders)]
         best.append(min(tried, key=lambda own: np.linalg.norm(a @ own - y)))
     best = np.array(best)
     return np.rint(np.ldexp(best[:, :-1], fraction)).astype(np.int64), best[:, -1]
 
 
-def _in_order(a: np.ndarray, y: np.ndarray, order: np.ndarray, fraction: int) -> np.ndarray:
-    """Least squares of a x = y, all but the last unknown rounded one after the other, the others fitted again."""
+def _in_order(a: np.ndarray, y: np.ndarray, order: np.ndarray, fraction: int, largest: int) -> np.ndarray:
+    """Least squares of a x = y, all but the last unknown rounded one after the other, the others fitted again; none
+    with a code beyond the largest."""
     x, free = np.linalg.lstsq(a, y, rcond=None)[0], list(range(a.shape[1]))
     for j in order:
-        code = np.clip(np.rint(np.ldexp(x[j], fraction)), -_LARGEST, _LARGEST)
+        code = np.clip(np.rint(np.ldexp(x[j], fraction)), -largest, largest)
         x[j] = np.ldexp(code, -fraction)
         y = y - a[:, j] * x[j]
         free.remove(j)

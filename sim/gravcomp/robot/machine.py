@@ -29,7 +29,7 @@ MAX_AXES = 8
 # What the hardware computes; any other activation needs `gravcomp train --from`.
 HARDWARE_ACTIVATION = "gamma"
 ACTIVATIONS = (HARDWARE_ACTIVATION, "tanh")
-PAPER, LEAN = FORMS = ("paper", "lean")
+PAPER, LEAN, SERIAL = FORMS = ("paper", "lean", "serial")
 EFFORT_UNITS = {"m": "N", "rad": "Nm"}
 COUNTS = {"m": "counts_per_m", "rad": "counts_per_turn"}  # key of [[axis]] by the axis' unit
 _ALL_COUNTS = 2**32  # that a counter takes
@@ -166,7 +166,7 @@ class Machine:
 
     def with_form(self, form: str) -> "Machine":
         """The same machine, its network in another form."""
-        without = re.sub(r'^\s*form\s*=\s*"(paper|lean)".*\n', "", self.text, flags=re.M)
+        without = re.sub(rf'^\s*form\s*=\s*"({"|".join(FORMS)})".*\n', "", self.text, flags=re.M)
         text = re.sub(r"^\s*\[network\].*\n", rf'\g<0>form = "{form}"\n', without, flags=re.M)
         return parse_machine(text, self.where)
 

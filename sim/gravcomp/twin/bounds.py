@@ -56,13 +56,24 @@ def _activation_intervals(fixed: FixedNetwork) -> tuple[dict[str, Interval], tup
     """What Gamma multiplies, and the ends of h."""
     half = 2 ** (q.OPERAND_BITS - 1)
     if fixed.is_lean:
-        return {"u of Gamma": Interval(0, half - 1, q.OPERAND_BITS)}, (-half, half - 1)
+        return {"u of Gamma": Interval(0, half - 1, q.OPERAND_BITS), **_of_square(fixed)}, (-half, half - 1)
     # At a = 0 the slope wraps and its product is 0 all the same; elsewhere |a| >= 1.
     beta = 2 ** (q.SLOPE_FRACTION + 1)
     slope = Interval((beta - half) >> 1, (beta - 1) >> 1, q.OPERAND_BITS)
     # Gamma rises with a over the whole format: its ends are those of a.
     ends = (int(bittrue.activation(np.array(edge))) for edge in (-half, half - 1))
     return {"slope of Gamma": slope}, tuple(ends)
+
+
+def _of_square(fixed: FixedNetwork) -> dict[str, Interval]:
+    """What the serial form adds u^2 up from."""
+    if not fixed.is_serial:
+        return {}
+    quarter, lost = 2 ** (q.OPERAND_BITS - 2), bittrue.lost_bits(fixed)
+    return {
+        "t of Gamma": Interval(-quarter >> lost, quarter - 1 >> lost, fixed.weight_bits),
+        "sum of the square": Interval(*bittrue.serial_square_interval(fixed), fixed.output_sum_bits),
+    }
 
 
 def _input_intervals(fixed: FixedNetwork) -> dict[str, Interval]:

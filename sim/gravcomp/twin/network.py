@@ -12,6 +12,8 @@ from gravcomp.core import formats as q
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.twin.sin_cos import phase, sin_cos
 
+_U_BITS = q.OPERAND_BITS - 1  # of u, which has no sign, in the vertex form of Gamma
+
 
 @dataclass(frozen=True)
 class CoreOutput:
@@ -77,17 +79,50 @@ def activation(a: np.ndarray) -> np.ndarray:
     return a * slope >> (q.PREACTIVATION_FRACTION + q.SLOPE_FRACTION - q.HIDDEN_FRACTION)
 
 
-def vertex_activation(a: np.ndarray) -> np.ndarray:
+def activate(a: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
+    """Codes of a to those of h, in the form of a network."""
+    return vertex_activation(a, fixed) if fixed.is_lean else activation(a)
+
+
+def vertex_activation(a: np.ndarray, fixed: FixedNetwork | None = None) -> np.ndarray:
     """gc_activation in the lean form: h = sign(a) (1 - u^2), u = 1 - |a|/2.
 
     The code of u is the lower bits of a, inverted where a >= 0, and so are h of u^2 and its sign: codes stand for the
     middle of their interval, on both sides alike. In LSB of h, h - Gamma(a + 1/2 LSB) lies in (-1, 1] for a >= 0 and in
     [-2, 0) for a < 0: up to one from the truncation of u^2, up to one from the half LSB of u, squared.
+
+    In the serial form, which fixed may name, u^2 is that of serial_square.
     """
     half = 2 ** (q.OPERAND_BITS - 1)
     u = np.where(a < 0, a + half, half - 1 - a)
-    g = (u * u >> q.OPERAND_BITS - 1) - half
+    squared = serial_square(u, fixed) >> half_u_shift(fixed) + 1 if fixed and fixed.is_serial else u * u >> _U_BITS
+    g = squared - half
     return np.where(a < 0, g, ~g)
+
+
+def serial_square(u: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
+    """gc_core_serial: u^2 as its sum holds it, u/2 + u t, t = u - 1/2 as a weight, which may have too few bits for it.
+
+    With e bits of t lost, u^2 is up to 2^e - 1 LSB of h below that of vertex_activation, and 2^-half_u_shift of one.
+    """
+    t = u - 2 ** (_U_BITS - 1) >> lost_bits(fixed)
+    return (u << half_u_shift(fixed)) + (u * t >> fixed.output_product_drop)
+
+
+def serial_square_interval(fixed: FixedNetwork) -> tuple[int, int]:
+    """Lowest and highest code of serial_square and of its terms, which are monotonic in u but u t."""
+    u = np.arange(2**_U_BITS)
+    return int((serial_square(u, fixed) - (u << half_u_shift(fixed))).min()), int(serial_square(u, fixed).max())
+
+
+def lost_bits(fixed: FixedNetwork) -> int:
+    """Of t, which a weight of the serial form has no place for."""
+    return max(_U_BITS - fixed.weight_bits, 0)
+
+
+def half_u_shift(fixed: FixedNetwork) -> int:
+    """Places from u to u/2 in the sum of the serial form; one more to the LSB of h."""
+    return _U_BITS - 1 - lost_bits(fixed) - fixed.output_product_drop
 
 
 def output_layer(h: np.ndarray, fixed: FixedNetwork) -> np.ndarray:
@@ -105,8 +140,7 @@ def core(count: np.ndarray, fixed: FixedNetwork) -> CoreOutput:
     """gc_core: encoder counts (..., n) to holding forces in mN (..., n) with their flags."""
     x, is_clamped = input_stage(np.asarray(count, dtype=np.int64), fixed)
     a = hidden_lane(x, fixed)
-    h = vertex_activation(a) if fixed.is_lean else activation(a)
-    force_mn, is_saturated = output_scaler(output_layer(h, fixed), fixed)
+    force_mn, is_saturated = output_scaler(output_layer(activate(a, fixed), fixed), fixed)
     return CoreOutput(force_mn, is_clamped, is_saturated)
 
 

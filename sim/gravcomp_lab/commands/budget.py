@@ -8,11 +8,11 @@ from pathlib import Path
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.inputs import SIN_COS
 from gravcomp.network.weights import load_network
-from gravcomp.robot.machine import load_machine
+from gravcomp.robot.machine import LEAN, load_machine
 from gravcomp.robot.spheiro.robot import Spheiro
 from gravcomp_lab.benches.budget import budget_run
 from gravcomp_lab.benches.core import distinct_lanes
-from gravcomp_lab.forms import lean_copy
+from gravcomp_lab.forms import form_copy
 from gravcomp_lab.paper.operations import (
     OperationCount,
     count_network_operations,
@@ -58,7 +58,7 @@ def _lean_counts(arguments, lanes: int) -> dict[str, OperationCount]:
     network = load_network(arguments.weights)
     if SIN_COS in network.inputs:
         return {}
-    weights = lean_copy(arguments.weights, arguments.build)
+    weights = form_copy(arguments.weights, arguments.build, LEAN)
     generated = arguments.build / "lean" / "generated"
     write_rom(weights, generated)
     counted, _ = budget_run(lanes, arguments.rtl, arguments.build / "lean", weights, generated)

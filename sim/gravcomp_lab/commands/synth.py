@@ -7,7 +7,7 @@ from gravcomp.errors import InputError
 from gravcomp.parallel import WHERE
 from gravcomp.robot.machine import FORMS, LEAN, PAPER
 from gravcomp_lab.benches.core import distinct_lanes
-from gravcomp_lab.forms import lean_copy
+from gravcomp_lab.forms import form_copy
 from gravcomp_lab.pages import renew
 from gravcomp_lab.shipped import SPHEIRO
 from gravcomp_lab.simulated.pictures import save_figure
@@ -31,7 +31,7 @@ def run(arguments):
         raise InputError(f"--jobs {arguments.jobs}: need one or more")
     lanes, weights, build = distinct_lanes(arguments.lanes), arguments.weights, arguments.build
     if arguments.form == LEAN:
-        weights, build = lean_copy(weights, build), build / LEAN
+        weights, build = form_copy(weights, build, LEAN), build / LEAN
     results = survey(lanes, arguments.rtl, build, arguments.jobs, weights, arguments.backend)
     text, figure = tables(results), picture(results)
     print(text)

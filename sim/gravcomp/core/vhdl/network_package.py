@@ -75,6 +75,8 @@ def _sizes(fixed: FixedNetwork) -> dict:
         "n_inputs": fixed.n_inputs,
         "n_hidden": fixed.n_hidden,
         "lean": str(fixed.is_lean).lower(),
+        "serial": str(fixed.is_serial).lower(),
+        "weight_bits": fixed.weight_bits,
         "turning": "".join(str(int(turns)) for turns in fixed.is_turning[::-1]),
         "phase_bits": q.PHASE_BITS,
         "step_bits": q.STEP_BITS,
@@ -103,13 +105,13 @@ def _scalars(fixed: FixedNetwork) -> dict:
 def _weights(fixed: FixedNetwork) -> dict:
     """The words of both layers, one per neuron, and their widths."""
     hidden = [
-        [(bias, fixed.hidden_sum_bits), *((weight, q.OPERAND_BITS) for weight in row[::-1])]
+        [(bias, fixed.hidden_sum_bits), *((weight, fixed.weight_bits) for weight in row[::-1])]
         for row, bias in zip(fixed.hidden_weights, fixed.hidden_bias, strict=True)
     ]
-    output = [[(weight, q.OPERAND_BITS) for weight in column[::-1]] for column in fixed.output_weights.T]
+    output = [[(weight, fixed.weight_bits) for weight in column[::-1]] for column in fixed.output_weights.T]
     return {
-        "hidden_word_bits": fixed.hidden_sum_bits + fixed.n_inputs * q.OPERAND_BITS,
-        "output_word_bits": fixed.n_axes * q.OPERAND_BITS,
+        "hidden_word_bits": fixed.hidden_sum_bits + fixed.n_inputs * fixed.weight_bits,
+        "output_word_bits": fixed.n_axes * fixed.weight_bits,
         "hidden_words": _words(hidden),
         "output_words": _words(output),
     }
@@ -216,8 +218,10 @@ package gc_network_pkg is
   constant fine_step_c   : signed({steps_bits} downto 0) :=
     {fine_step};
 
-  -- The form: the paper's, or the lean one, whose scales are 1 as its weights hold them.
-  constant lean_c : boolean := {lean};
+  -- The form: the paper's, or the lean one, whose scales are 1 as its weights hold them; the serial one is the lean one
+  -- with weights of fewer bits, for gc_core_serial.
+  constant lean_c        : boolean := {lean};
+  constant serial_form_c : boolean := {serial};
 
   -- Hidden layer; product_drop: bits that a product loses before it is summed.
   constant weight_fraction_c        : natural  := {weight_fraction};
@@ -246,7 +250,8 @@ package gc_network_pkg is
     {current_scale};
   constant current_scale_fraction_c : axis_bits_t := ({current_scale_fraction});
 
-  -- Words of the weight ROMs, one per neuron.
+  -- Weights, and words of them, one per neuron.
+  constant weight_bits_c      : positive := {weight_bits};
   constant hidden_word_bits_c : positive := {hidden_word_bits};
   constant output_word_bits_c : positive := {output_word_bits};
 
