@@ -9,8 +9,9 @@ from gravcomp.prototype.experiment import measure
 from gravcomp.prototype.imperfections import EFFECTS
 from gravcomp.prototype.mechanism_engine import MechanismEngine
 from gravcomp.prototype.plant import Plant, engine_of
+from gravcomp.prototype.sizes import sizes_of
 from gravcomp.robot.machine import load_machine
-from mechanisms import WEIGHTS, body, mechanism, mjcf
+from mechanisms import SHIPPED_MECHANISMS, WEIGHTS, body, mechanism, mjcf
 
 ARM, FIVEBAR, UR5, SLIDE = (load_machine(WEIGHTS / name) for name in ("arm2", "fivebar", "ur5", "slide"))
 
@@ -71,6 +72,36 @@ def test_imperfection_of_an_arm_shows_with_its_size_and_sign(name):
     np.testing.assert_allclose(beyond(ARM, log), effect, atol=0.05)
 
 
+@pytest.mark.parametrize("name", SHIPPED_MECHANISMS)
+def test_every_imperfection_that_a_shipped_machine_can_have_is_in_its_engine(name):
+    """MuJoCo sets its constants up again and moves the machine one step, or the effect is said to be of others."""
+    machine = load_machine(WEIGHTS / name)
+    q = machine.robot.workspace(1, 4)[0]
+    for effect in EFFECTS:
+        engine = engine_of(machine)
+        sizes = sizes_of(machine, engine)
+        if EFFECTS[effect].is_of(engine, sizes):
+            plant = Plant(machine, [EFFECTS[effect](sizes)])
+            plant.place(q, np.zeros(machine.n_axes), 0.0)
+            plant.step(q)
+            assert np.isfinite(plant.effort()).all(), effect
+
+
+def test_payload_on_a_gantry_of_three_slides_bears_on_the_upright_one(tmp_path):
+    """Bodies whose frames all stand alike are MuJoCo's simple ones: m g more on z, nothing on x and y."""
+    slide = 'name="{0}" type="slide" axis="{1}" range="-0.4 0.4"'.format
+    tool = body("tool", slide("z", "0 0 1"), 3.0)
+    world = body("bridge", slide("x", "1 0 0"), 9.0, inside=body("cart", slide("y", "0 1 0"), 5.0, inside=tool))
+    machine = mechanism(tmp_path, mjcf(world), dict.fromkeys("xyz", "counts_per_m = 1000000"))
+    sizes = Plant(machine).sizes
+    for effect, more_n in (
+        (EFFECTS["payload"](sizes, m=0.8, x=0.05, y=-0.02, z=0.1), 9.81 * 0.8),
+        (EFFECTS["body_moment"](sizes, x=0.3, y=0.2, z=0.1), 0.0),
+    ):
+        log = held(machine, effect)
+        np.testing.assert_allclose(beyond(machine, log), np.tile([0.0, 0.0, more_n], (8, 1)), atol=0.05)
+
+
 def test_moment_of_a_named_body_is_that_of_its_regressor():
     sizes = Plant(UR5).sizes
     log = held(UR5, EFFECTS["body_moment"](sizes, body="forearm_link", x=0.3, y=-0.2, z=0.1))
@@ -119,6 +150,18 @@ def test_log_of_an_arm_has_columns_in_its_units_and_is_diagnosed_with_its_machin
         (["--effect", "passive_joint_friction"], "this machine has nothing for it to act on"),
         (["--effect", "universal_joint_friction"], "this machine has nothing for it to act on"),
         (["--effect", "viscous_friction:b=1e7"], "the PID can't move the prototype"),
+        (["--effect", "body_moment:x=1e308"], "the PID can't move the prototype"),
+        (["--effect", "payload:m=-1000"], "m = -1000 kg leaves"),
+        (["--effect", "thermal_drift:tau_s=0"], "tau_s = 0.0 is not a finite number above 0"),
+        (["--effect", "periodic_disturbance:period_s=0"], "period_s = 0.0 is not a finite number above 0"),
+        (["--effect", "cogging:pitch=-0.1"], "pitch = -0.1 is not a finite number above 0"),
+        (["--effect", "friction_bump:width2=0"], "is not a finite number above 0"),
+        (["--effect", "coulomb_friction:fc=-1"], "fc = [-1. -1.] is not a finite number of 0 or more"),
+        (["--effect", "backlash:gap=nan"], "gap = [nan nan] is not a finite number of 0 or more"),
+        (["--effect", "current_offset:o=inf"], "o = [inf inf] is not a finite number; give one"),
+        (["--effect", "thrust_constant:gain=1.7e308"], "currents beyond all numbers"),
+        (["--effect", "payload:m=1,m=2"], "m is given twice"),
+        (["--effect", "random:m=1"], "takes no parameters, 'm=1' is left over"),
     ],
 )
 def test_wrong_request_of_an_arm_is_refused_in_one_line(tmp_path, capsys, arguments, said):

@@ -44,7 +44,10 @@ class Engine(ABC):
 
     @abstractmethod
     def add_mass(self, mass_kg: float, place_m: np.ndarray) -> None:
-        """A point mass at place_m (3,) in the frame of the body that takes a payload."""
+        """A point mass at place_m (3,) in the frame of the body that takes a payload.
+
+        Raises InputError where a negative one leaves nothing.
+        """
 
     heavy_bodies: tuple[str, ...] = ()  # with a mass that may be elsewhere than the model has it
 

@@ -104,9 +104,11 @@ def as_log(
     rng: np.random.Generator,
     effects: Sequence[Imperfection] = (),
 ) -> PrototypeLog:
-    """Samples as drives with noise (k,), N or N m RMS, report them."""
+    """Samples as drives with noise (k,), N or N m RMS, report them. Raises InputError where that is no number."""
     t, q, v, effort, temperature = (np.array(column) for column in zip(*samples, strict=True))
     current = (effort + noise * rng.standard_normal(effort.shape)) / machine.drive.effort_per_ampere
+    if not np.isfinite(current).all():
+        raise InputError("the drives would report currents beyond all numbers; make the effects smaller")
     return PrototypeLog(t, q, v, current, temperature, effort, effects, noise)
 
 

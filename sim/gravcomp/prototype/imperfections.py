@@ -31,7 +31,7 @@ class Range(NamedTuple):
     """From where a parameter is drawn: its size log-uniform in low..high, in a unit, one of the signs.
 
     per: a value per "axis", per passive slide ("m") or hinge ("rad"), or one of the "machine". Zero to zero: a
-    parameter that is only used when it is given.
+    parameter that is only used when it is given. must_be: what a given value is held to, a key of _ALLOWED.
     """
 
     low: float
@@ -39,12 +39,19 @@ class Range(NamedTuple):
     unit: str = ""
     per: str = "axis"
     signs: tuple[float, ...] = (1.0,)
+    must_be: str = "a finite number"
 
     def size(self, sizes: Sizes) -> np.ndarray | float:
         """What low and high are multiplied with on a machine."""
         return sizes.of(self.per, *_DIMENSIONS[self.unit])
 
 
+_ALLOWED = {
+    "a finite number": np.isfinite,
+    "a finite number of 0 or more": lambda value: np.isfinite(value) & (value >= 0.0),
+    "a finite number above 0": lambda value: np.isfinite(value) & (value > 0.0),  # as the effect divides by it
+}
+NOT_NEGATIVE, DIVIDES = list(_ALLOWED)[1:]
 EITHER = (-1.0, 1.0)
 NOT_DRAWN = Range(0.0, 0.0)
 
@@ -66,7 +73,7 @@ class Imperfection:
     """One effect on a machine of given sizes; parameters become attributes, arrays where they are per axis or joint.
 
     A parameter that isn't given takes the geometric middle of its range. ``name`` for all axes, ``name1`` for one.
-    Raises InputError for a parameter that the effect doesn't have or a value that isn't finite.
+    Raises InputError for a parameter that the effect doesn't have or a value that its range doesn't allow.
     """
 
     name: ClassVar[str]
@@ -81,8 +88,8 @@ class Imperfection:
             value = np.full(count, given.pop(name, middle)) if count else given.pop(name, middle)
             for axis in range(count):
                 value[axis] = given.pop(f"{name}{axis + 1}", value[axis])
-            if not np.all(np.isfinite(value)):
-                raise InputError(f"--effect {self.name}: {name} = {value} is not a finite number; give one")
+            if not np.all(_ALLOWED[span.must_be](value)):
+                raise InputError(f"--effect {self.name}: {name} = {value} is not {span.must_be}; give one")
             setattr(self, name, value)
         if given:
             known = ", ".join(self.ranges) or "none"
@@ -139,7 +146,7 @@ class CoulombFriction(Imperfection):
     """fc sign(v) on the carriages; ``skew`` adds to it in the positive direction and takes away in the negative."""
 
     name = "coulomb_friction"
-    ranges: ClassVar = {"fc": Range(0.4, 4.0, "f"), "skew": NOT_DRAWN}
+    ranges: ClassVar = {"fc": Range(0.4, 4.0, "f", must_be=NOT_NEGATIVE), "skew": NOT_DRAWN}
 
     def install(self, robot):
         robot.model.dof_frictionloss[robot.motor_dofs] += self.fc
@@ -152,7 +159,7 @@ class ViscousFriction(Imperfection):
     """b v."""
 
     name = "viscous_friction"
-    ranges: ClassVar = {"b": Range(60.0, 400.0, "f/q")}
+    ranges: ClassVar = {"b": Range(60.0, 400.0, "f/q", must_be=NOT_NEGATIVE)}
 
     def install(self, robot):
         robot.model.dof_damping[robot.motor_dofs] += self.b
@@ -163,9 +170,9 @@ class StribeckFriction(Imperfection):
 
     name = "stribeck_friction"
     ranges: ClassVar = {
-        "fc": Range(0.6, 2.0, "f"),
-        "fs": Range(2.5, 5.0, "f"),
-        "vs": Range(0.002, 0.005, "q", per="machine"),
+        "fc": Range(0.6, 2.0, "f", must_be=NOT_NEGATIVE),
+        "fs": Range(2.5, 5.0, "f", must_be=NOT_NEGATIVE),
+        "vs": Range(0.002, 0.005, "q", per="machine", must_be=DIVIDES),
     }
 
     def friction(self, state):
@@ -176,7 +183,10 @@ class PassiveJointFriction(Imperfection):
     """Friction in the passive joints: fc_b of the prismatic pairs, N, and fc_phi of the turning pairs, N m."""
 
     name = "passive_joint_friction"
-    ranges: ClassVar = {"fc_b": Range(0.8, 4.0, "f", "m"), "fc_phi": Range(0.05, 0.3, "f", "rad")}
+    ranges: ClassVar = {
+        "fc_b": Range(0.8, 4.0, "f", "m", must_be=NOT_NEGATIVE),
+        "fc_phi": Range(0.05, 0.3, "f", "rad", must_be=NOT_NEGATIVE),
+    }
 
     @classmethod
     def is_of(cls, engine, sizes):
@@ -191,7 +201,7 @@ class LoadDependentFriction(Imperfection):
     """mu |f_model| sign(v)."""
 
     name = "load_dependent_friction"
-    ranges: ClassVar = {"mu": Range(0.01, 0.06)}
+    ranges: ClassVar = {"mu": Range(0.01, 0.06, must_be=NOT_NEGATIVE)}
 
     def friction(self, state):
         return self.mu * np.abs(state.statics)
@@ -201,7 +211,10 @@ class DirectionalLoadFriction(Imperfection):
     """mu |f_model| sign(v), another mu where the motor drives the load than where the load drives the motor."""
 
     name = "directional_load_friction"
-    ranges: ClassVar = {"mu_motor": Range(0.02, 0.08), "mu_load": Range(0.005, 0.02)}
+    ranges: ClassVar = {
+        "mu_motor": Range(0.02, 0.08, must_be=NOT_NEGATIVE),
+        "mu_load": Range(0.005, 0.02, must_be=NOT_NEGATIVE),
+    }
 
     def friction(self, state):
         return np.where(state.statics * state.v > 0.0, self.mu_motor, self.mu_load) * np.abs(state.statics)
@@ -211,7 +224,7 @@ class Backlash(Imperfection):
     """f_model(q - gap/2 sign(v)) - f_model(q): the encoder, on the motor's side, leads by half the gap."""
 
     name = "backlash"
-    ranges: ClassVar = {"gap": Range(0.0015, 0.004, "q")}
+    ranges: ClassVar = {"gap": Range(0.0015, 0.004, "q", must_be=NOT_NEGATIVE)}
 
     def reset(self, state):
         self._last, self._lead = state.q, np.sign(state.v) * self.gap / 2
@@ -231,7 +244,7 @@ class Cogging(Imperfection):
         "a_second": Range(0.1, 0.5, "f"),
         "phase": Range(0.5, 6.0),
         "phase_second": Range(0.5, 6.0),
-        "pitch": Range(0.016, 0.048, "q", per="machine"),
+        "pitch": Range(0.016, 0.048, "q", per="machine", must_be=DIVIDES),
     }
 
     def force(self, state):
@@ -323,7 +336,7 @@ class ThermalDrift(Imperfection):
     name = "thermal_drift"
     ranges: ClassVar = {
         "gain": Range(0.02, 0.1, per="machine", signs=EITHER),
-        "tau_s": Range(150.0, 1000.0, per="machine"),
+        "tau_s": Range(150.0, 1000.0, per="machine", must_be=DIVIDES),
         "gain_per_k": NOT_DRAWN._replace(per="machine"),
     }
 
@@ -346,7 +359,10 @@ class PreslidingHysteresis(Imperfection):
     """Dahl friction: dF/dq = (fc/travel)(1 - F sign(v)/fc)."""
 
     name = "presliding_hysteresis"
-    ranges: ClassVar = {"fc": Range(0.6, 3.0, "f"), "travel": Range(0.002, 0.006, "q", per="machine")}
+    ranges: ClassVar = {
+        "fc": Range(0.6, 3.0, "f", must_be=NOT_NEGATIVE),
+        "travel": Range(0.002, 0.006, "q", per="machine", must_be=DIVIDES),
+    }
 
     def reset(self, state):
         self._friction = self.fc * np.sign(state.v)
@@ -397,9 +413,9 @@ class FrictionBump(Imperfection):
     name = "friction_bump"
     on_list = False
     ranges: ClassVar = {
-        "fc": Range(1.5, 6.0, "f"),
+        "fc": Range(1.5, 6.0, "f", must_be=NOT_NEGATIVE),
         "q0": Range(0.005, 0.05, "q", signs=EITHER),
-        "width": Range(0.01, 0.03, "q"),
+        "width": Range(0.01, 0.03, "q", must_be=DIVIDES),
     }
 
     def friction(self, state):
@@ -422,7 +438,7 @@ class MagneticSaturation(Imperfection):
 
     name = "magnetic_saturation"
     on_list = False
-    ranges: ClassVar = {"f_sat": Range(250.0, 600.0, "f")}
+    ranges: ClassVar = {"f_sat": Range(250.0, 600.0, "f", must_be=DIVIDES)}
 
     def reported(self, effort, state):
         return effort * (1.0 + (effort / self.f_sat) ** 2)
@@ -433,7 +449,7 @@ class PeriodicDisturbance(Imperfection):
 
     name = "periodic_disturbance"
     on_list = False
-    ranges: ClassVar = {"a": Range(0.4, 2.0, "f"), "period_s": Range(15.0, 60.0, per="machine")}
+    ranges: ClassVar = {"a": Range(0.4, 2.0, "f"), "period_s": Range(15.0, 60.0, per="machine", must_be=DIVIDES)}
 
     def reported(self, effort, state):
         return effort + self.a * np.sin(2 * np.pi * state.t_s / self.period_s)
@@ -453,7 +469,7 @@ class UniversalJointFriction(Imperfection):
     """Friction in both hinges of the universal joints, N m."""
 
     name = "universal_joint_friction"
-    ranges: ClassVar = {"fc": Range(0.1, 0.5)}
+    ranges: ClassVar = {"fc": Range(0.1, 0.5, must_be=NOT_NEGATIVE)}
 
     @classmethod
     def is_of(cls, engine, sizes):
@@ -499,6 +515,8 @@ def drawn(name: str, rng: np.random.Generator, engine: Engine, sizes: Sizes) -> 
 def parse_effect(text: str, rng: np.random.Generator, engine: Engine, sizes: Sizes) -> list[Imperfection]:
     """Effects named by one --effect: none, one drawn at random, or one by name and parameters. Raises InputError."""
     name, _, settings = text.partition(":")
+    if settings and (name == "none" or name in _RANDOM):
+        raise InputError(f"--effect {name}: takes no parameters, {settings!r} is left over; remove it")
     if name == "none":
         return []
     if name in _RANDOM:
@@ -515,6 +533,8 @@ def _settings(name: str, text: str) -> dict:
     given = {}
     for setting in filter(None, text.split(",")):
         parameter, _, value = setting.partition("=")
+        if parameter in given:
+            raise InputError(f"--effect {name}: {parameter} is given twice; remove one")
         if name == BodyMoment.name and parameter == "body":
             given[parameter] = value
             continue

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gravcomp.errors import InputError
 from gravcomp.prototype.engine import STIFF_SOLIMP, STIFF_SOLREF, TIME_STEP_S, Engine
 from gravcomp.robot.mechanism.robot import UNITS, Mechanism
 from gravcomp.robot.mechanism.source import compiled, engine, model_spec
@@ -32,6 +33,8 @@ class MechanismEngine(Engine):
         mujoco, spec, tree = self.mujoco, model_spec(self.path, with_inertia=True), self.robot.tree
         for item in [*spec.actuators, *spec.keys]:
             spec.delete(item)
+        for each in spec.bodies:  # as imperfections move centres of mass: what is compiled as simple keeps its own
+            each.simple = False
         for dof in self.robot.axes:
             actuator = spec.add_actuator(trntype=mujoco.mjtTrn.mjTRN_JOINT, target=tree.joints[tree.dof_joint[dof]])
             actuator.set_to_motor()
@@ -103,5 +106,8 @@ class MechanismEngine(Engine):
     def add_mass(self, mass_kg: float, place_m: np.ndarray) -> None:
         m, body = self.model, self.robot.last_body
         total = m.body_mass[body] + mass_kg
+        if not total > 0.0:
+            raise InputError(f"--effect payload: m = {mass_kg:g} kg leaves {total:g} kg of body {m.body(body).name!r}; "
+                             f"give more than {-m.body_mass[body]:g}")  # fmt: skip
         m.body_ipos[body] = (m.body_mass[body] * m.body_ipos[body] + mass_kg * np.asarray(place_m)) / total
         m.body_mass[body] = total

@@ -45,8 +45,9 @@ class Plant:
         robot.mujoco.set_mju_user_warning(lambda message: None)  # or the engine leaves a log file; see check_control
         self.sizes = sizes_of(machine, robot)
         self.effects = effects = list(effects(robot, self.sizes) if callable(effects) else effects)
-        for effect in effects:
-            effect.install(robot)
+        with np.errstate(all="ignore"):  # an effect beyond all numbers: check_control says so
+            for effect in effects:
+                effect.install(robot)
         robot.mujoco.mj_setConst(robot.model, robot.data)
         n = machine.n_axes
         self.state = PlantState(*np.zeros((4, n)))
