@@ -228,6 +228,25 @@ def test_fault_ends_hold_with_its_name(limits):
         assert model.core.get("control") & 1 == 0
 
 
+@pytest.mark.parametrize("cause", [Cause.SATURATION, Cause.HOLD])
+@pytest.mark.parametrize(
+    ("clamped", "said"),
+    [
+        (0b101, "axes 1, 3 stand outside of the range the core was trained for; move them into it"),
+        (0, "current_limit_ua"),
+    ],
+)
+def test_hold_tells_axes_out_of_their_trained_range_by_number(limits, cause, clamped, said):
+    """HOLDING with a clamped count ends by the first of two time-outs; either alone would not say why."""
+    with ModelBoard(core()) as model, Board(line(model)) as board:
+        held = board.hold(load_limits(limits, SPHEIRO))
+        next(held)
+        model.core.put("result_flags", clamped)
+        model.core.fault(cause)
+        with pytest.raises(InputError, match=f"brakes engaged, faults: {cause.name.lower()}; .*{said}"):
+            next(held)
+
+
 def test_cut_line_ends_hold(limits):
     with ModelBoard(core()) as model, Board(line(model, timeout_s=0.05, attempts=2)) as board:
         held = board.hold(load_limits(limits, SPHEIRO))

@@ -38,7 +38,11 @@ REMEDIES = {
     Cause.POSITION: "move the robot back into its range",
     Cause.UNREFERENCED: "home first",
     Cause.WATCHDOG: "the line is too slow for watchdog_us; raise it, or the baud",
+    Cause.SATURATION: "an effort is beyond current_limit_ua or the core's range; raise that limit, or lighten the load",
+    Cause.HOLD: "the motors did not take the load in hold_us; raise current_limit_ua, current_slew_ua or hold_us",
 }
+# What a clamped count ends in: the command waits for an effort that the core does not know.
+OF_CLAMPED = (Cause.SATURATION, Cause.HOLD)
 
 
 @dataclass(frozen=True)
@@ -195,13 +199,16 @@ class Board:
     def _faults(self) -> str:
         state = self.host.read()
         causes = [cause for cause in Cause if (state.fault | state.cause) >> cause & 1]
+        outside = (f"axes {_axes(state.clamped)} stand outside of the range the core was trained for; "
+                   "move them into it")  # fmt: skip
         if not causes and state.clamped:
-            return (f"the brakes are not released: axes {_axes(state.clamped)} stand outside of the range the core "
-                    "was trained for; move them into it")  # fmt: skip
+            return f"the brakes are not released: {outside}"
         if not causes:
             return "the brakes are not released, and no fault is told; try again"
         names = ", ".join(cause.name.lower() for cause in causes)
         first = [cause for cause in causes if state.first_cause >> cause & 1] or causes
+        if state.clamped and first[0] in OF_CLAMPED:
+            return f"brakes engaged, faults: {names}; {outside}"
         advice = next((REMEDIES[cause] for cause in [*first, *causes] if cause in REMEDIES), "see docs/guide/safety.md")
         return f"brakes engaged, faults: {names}; {advice}"
 
