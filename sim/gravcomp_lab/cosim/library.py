@@ -9,6 +9,7 @@ import ctypes
 import hashlib
 import re
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 from gravcomp.core.vhdl.network_package import write_rom
@@ -27,7 +28,7 @@ _STANDSTILL_S = 0.25  # without an edge
 WRAPPER = Path(__file__).with_name("cosim.cpp")
 _VERILATOR = [
     *("--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"),
-    *("--default-language", "1364-2005", "--top-module", TOP, "-LDFLAGS", "-shared"),
+    *("--default-language", "1364-2005", "--prefix", f"V{TOP}", "-LDFLAGS", "-shared"),
     *("-Wno-lint", "-Wno-COMBDLY", "-Wno-INITIALDLY", "-Wno-UNOPTFLAT"),
 ]
 _COMPILER = "-fPIC -std=c++20 -O2"
@@ -61,8 +62,16 @@ def build(machine: Path, rtl: Path, folder: Path, lanes: int = 1) -> Path:
 
     Raises InputError when a tool is missing or refuses.
     """
+    folder.mkdir(parents=True, exist_ok=True)
+    write_rom(machine, folder / "generated")
+    sources = rtl_sources(rtl, folder / "generated")
+    return compiled([to_verilog(sources, TOP, generics(machine, lanes), folder / f"{TOP}.v")], TOP, folder)
+
+
+def generics(machine: Path, lanes: int = 1) -> dict[str, int | str]:
+    """Of the core of such a machine folder."""
     clock_hz = int(load_machine(machine).clock_hz)
-    generics = {
+    return {
         "lanes_g": lanes,
         "motion_g": "true",
         "clock_hz_g": clock_hz,
@@ -71,17 +80,21 @@ def build(machine: Path, rtl: Path, folder: Path, lanes: int = 1) -> Path:
         "reversal_clocks_g": EDGE_CLOCKS,
         "dither_clocks_g": EDGE_CLOCKS,
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    write_rom(machine, folder / "generated")
-    verilog = to_verilog(rtl_sources(rtl, folder / "generated"), TOP, generics, folder / f"{TOP}.v")
-    key = hashlib.sha256(verilog.read_bytes() + WRAPPER.read_bytes() + repr(_VERILATOR).encode()).hexdigest()[:16]
+
+
+def compiled(verilog: Sequence[Path], top: str, folder: Path) -> Path:
+    """The library of a module with the ports of gc_system, compiled into a folder unless it is there. Raises
+    InputError."""
+    content = b"".join(file.read_bytes() for file in (*verilog, WRAPPER)) + repr((_VERILATOR, top)).encode()
+    key = hashlib.sha256(content).hexdigest()[:16]
     library = folder / f"cosim-{key}.so"
     if not library.exists():
-        _compile(verilog, folder / f"verilated-{key}", library)
+        _compile(verilog, top, folder / f"verilated-{key}", library)
     return library
 
 
-def _compile(verilog: Path, folder: Path, library: Path) -> None:
-    run_verilator([*_VERILATOR, "-CFLAGS", _COMPILER, "--Mdir", folder, "-o", "cosim.so", verilog, WRAPPER])
+def _compile(verilog: Sequence[Path], top: str, folder: Path, library: Path) -> None:
+    options = ["--top-module", top, "-CFLAGS", _COMPILER, "--Mdir", folder, "-o", "cosim.so"]
+    run_verilator([*_VERILATOR, *options, *verilog, WRAPPER])
     (folder / "cosim.so").rename(library)
     shutil.rmtree(folder)
