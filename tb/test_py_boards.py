@@ -17,7 +17,11 @@ ALL = pytest.mark.parametrize("board", BOARDS.values(), ids=BOARDS)
 
 def ports(board) -> dict[str, bool]:
     """Ports of the top, each with whether it has a bit per axis; a vector of constant width counts bit by bit."""
-    entity = re.search(r"port \((.*?)\n  \);", board.sources[-1].read_text(), re.DOTALL)[1]
+    return ports_of(board.sources[-1].read_text())
+
+
+def ports_of(top: str) -> dict[str, bool]:
+    entity = re.search(r"port \((.*?)\n  \);", top, re.DOTALL)[1]
     found = {}
     for name, width in re.findall(
         r"^ +(\w+) +: +(?:in|out) +std_ulogic(?:_vector\(([^)]*) downto 0\))?", entity, re.MULTILINE
@@ -59,6 +63,34 @@ def test_clock_of_the_oscillator_is_constrained(board):
 def test_generics_of_a_part_are_those_of_the_top(board):
     declared = re.search(r"generic \((.*?)port \(", board.sources[-1].read_text(), re.DOTALL)[1]
     assert {*board.generics, "selftest_g"} <= set(re.findall(r"(\w+) +:", declared))
+
+
+# Boards for vendors' tools, which were not run: their constraints, (site, port, pull) of each pin.
+UNRUN = {
+    "arty_a7": ("xdc", r"PACKAGE_PIN (\w+) IOSTANDARD LVCMOS33(?: PULL(\w+) true)?\} \[get_ports \{([^}]+)\}"),
+    "de10_nano": ("qsf", r"set_location_assignment PIN_(\w+)()? -to (\S+)"),
+}
+
+
+@pytest.mark.parametrize("name", UNRUN)
+def test_every_pin_of_a_board_that_was_never_run_has_one_place_of_its_own(name):
+    extension, pattern = UNRUN[name]
+    folder = ROOT / "boards" / name
+    text = (folder / f"{name}.{extension}").read_text()
+    pins = re.findall(pattern, text)
+    declared = ports_of((folder / f"{name}.vhd").read_text())
+    need = {f"{port}[{k}]" if per_axis else port for port, per_axis in declared.items() for k in range(3)}
+    assert {port for _, _, port in pins} == need
+    assert len({site for site, _, _ in pins}) == len(pins) == len(need)
+    if name == "arty_a7":
+        pull = {port.partition("[")[0]: way for _, way, port in pins}
+    else:  # no part of this family pulls down
+        pull = dict.fromkeys(declared, "DOWN") | dict.fromkeys(
+            re.findall(r"WEAK_PULL_UP_RESISTOR ON -to (\w+)", text), "UP"
+        )
+    assert pull["estop_n"] == pull["enc_z"] == pull["brake_free"] == pull["drive_on"] == "DOWN"
+    assert pull["brake_hold"] == "UP"
+    assert "Never run" in text
 
 
 def test_folder_without_boards_is_refused(tmp_path):
