@@ -34,6 +34,8 @@ network/gc_activation.vhd
 network/gc_output_layer.vhd
 network/gc_output_scaler.vhd
 network/gc_core.vhd
+network/gc_program_pkg.vhd
+network/gc_core_serial.vhd
 compensator/gc_table.vhd
 compensator/gc_speed_code.vhd
 compensator/gc_friction.vhd

@@ -4,21 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from arm import arm_toml
-from axes import random_network
-from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.network.inputs import POSITION, SIN_COS
-from gravcomp.robot.machine import LEAN, PAPER, ROBOT_TOML, load_machine
-from machines import machine_folder
-from support.core import check_core
+from gravcomp.robot.machine import LEAN, PAPER
+from support.core import check_core, drawn_machine
 
 
 def check_machine(inputs: tuple[str, ...], n_hidden: int, lanes: int, folder: Path, **options) -> None:
     """gc_core of a random network equals its model, at its interval and latency."""
-    weights, generated, form = folder / "weights", folder / "generated", options.pop("form", PAPER)
-    machine_folder(weights, random_network(inputs, n_hidden), arm_toml(len(inputs), inputs=inputs))
-    (weights / ROBOT_TOML).write_text(load_machine(weights).with_form(form).text)
-    write_rom(weights, generated)
+    form = options.pop("form", PAPER)
+    weights, generated = drawn_machine(inputs, n_hidden, folder, form)
     label = f"{form}-{''.join(kind[0] for kind in inputs)}-{n_hidden}"
     check_core(lanes, environment={"WEIGHTS": str(weights)}, generated=generated, label=label, **options)
 

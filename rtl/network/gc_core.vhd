@@ -58,7 +58,19 @@ end entity gc_core;
 
 architecture rtl of gc_core is
 
-  constant steps_c   : positive := lane_steps(hidden_c, lanes_g);
+  -- Told while the constants are made: the lanes cannot even be built with weights of fewer bits.
+
+  function checked_lanes return positive is
+  begin
+
+    assert not serial_form_c
+      report "gc_core: need a ROM of the form paper or lean, got serial; take gc_core_serial"
+      severity failure;
+    return lanes_g;
+
+  end function checked_lanes;
+
+  constant steps_c   : positive := lane_steps(hidden_c, checked_lanes);
   -- With 20 clocks per inference one multiplier per scaler is enough.
   constant serial_c  : boolean := not lean_c and lanes_g = 1 and steps_c >= inputs_c and steps_c >= outputs_c;
   -- With all neurons at once the lanes are all over the chip: x travels two clocks longer, to a copy per region and on
@@ -90,10 +102,6 @@ architecture rtl of gc_core is
   signal used         : scalars_t;
 
 begin
-
-  assert not serial_form_c
-    report "gc_core: need a ROM of the form paper or lean, got serial; take gc_core_serial"
-    severity failure;
 
   assert steps_c * lanes_g = hidden_c
     report "gc_core: " & integer'image(hidden_c) & " neurons and " & integer'image(steps_c * lanes_g - hidden_c)

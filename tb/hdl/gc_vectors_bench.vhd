@@ -69,21 +69,42 @@ begin
 
   clk <= not clk after 5 ns when not done;
 
-  i_core : entity work.gc_core
-    generic map (
-      lanes_g => lanes_g
-    )
-    port map (
-      clk           => clk,
-      rst           => rst,
-      in_valid      => in_valid,
-      in_ready      => in_ready,
-      in_count      => in_count,
-      out_valid     => out_valid,
-      out_force     => out_force,
-      out_clamped   => open,
-      out_saturated => open
-    );
+  -- The core of the ROM's form.
+
+  g_serial : if serial_form_c generate
+
+    i_core : entity work.gc_core_serial
+      port map (
+        clk           => clk,
+        rst           => rst,
+        in_valid      => in_valid,
+        in_ready      => in_ready,
+        in_count      => in_count,
+        out_valid     => out_valid,
+        out_force     => out_force,
+        out_clamped   => open,
+        out_saturated => open
+      );
+
+  else generate
+
+    i_core : entity work.gc_core
+      generic map (
+        lanes_g => lanes_g
+      )
+      port map (
+        clk           => clk,
+        rst           => rst,
+        in_valid      => in_valid,
+        in_ready      => in_ready,
+        in_count      => in_count,
+        out_valid     => out_valid,
+        out_force     => out_force,
+        out_clamped   => open,
+        out_saturated => open
+      );
+
+  end generate g_serial;
 
   -- As fast as the core takes them.
   p_feed : process is

@@ -1,4 +1,4 @@
-"""What a network costs in gc_core, in either form: operations, multipliers, clocks.
+"""What a network costs in gc_core, in either form, and in gc_core_serial: operations, multipliers, clocks.
 
 Sines and cosines cost no operations here.
 """
@@ -16,7 +16,8 @@ class CoreCost:
 
     multiplications and sums of an inference, without those that make sines and cosines; multipliers of 18 by 18 bits,
     at most (a product by theta = 1/4 is a shift, one by a constant may be); interval and latency in clocks, from
-    accepted counts to efforts. is_lean: without scalers, Gamma as a square.
+    accepted counts to efforts. is_lean: without scalers, Gamma as a square. is_serial: so, and in turn on a single
+    multiplier of 18 by 16 bits.
     """
 
     neurons: int
@@ -24,6 +25,7 @@ class CoreCost:
     axes: int
     lanes: int
     is_lean: bool = False
+    is_serial: bool = False
 
     @property
     def multiplications(self) -> int:
@@ -42,6 +44,8 @@ class CoreCost:
 
     @property
     def multipliers(self) -> int:
+        if self.is_serial:
+            return 1
         if self.is_lean:
             return self.lanes * (self.inputs + 1 + self.axes)
         positions = self.axes - self.turns
@@ -51,10 +55,15 @@ class CoreCost:
 
     @property
     def interval(self) -> int:
+        if self.is_serial:
+            return self.latency
         return ceil(self.neurons / self.lanes)
 
     @property
     def latency(self) -> int:
+        if self.is_serial:
+            neurons, taps = max(self.neurons, 6), max(self.inputs, 3)
+            return (neurons + 1) * (taps + 1) + neurons * self.axes + 5
         is_once = self.interval == 1 < self.neurons
         trees = ceil(log2(self.inputs + 1)) + ceil(log2(self.lanes + is_once))
         if self.is_lean:

@@ -9,6 +9,7 @@ from pathlib import Path
 import cocotb
 import numpy as np
 
+from gravcomp.core.cost import CoreCost
 from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
 from gravcomp.errors import InputError
 from gravcomp.simulation.measured import hand_over
@@ -64,8 +65,11 @@ def inputs_of(counts: np.ndarray) -> list[dict[str, int]]:
 
 
 def flush_clocks() -> int:
-    """Clocks in which the last result comes, with any number of lanes: one per neuron, and all pipelines."""
-    return 64 + fixed_network().n_hidden
+    """Clocks in which the last result comes, with any number of lanes: one per neuron, and all pipelines; those of
+    CoreCost in the serial form."""
+    fixed = fixed_network()
+    cost = CoreCost(fixed.n_hidden, fixed.n_inputs, fixed.n_axes, 1, fixed.is_lean, fixed.is_serial)
+    return 64 + (cost.latency if fixed.is_serial else fixed.n_hidden)
 
 
 @cocotb.test()
