@@ -87,21 +87,25 @@ def test_joints_that_are_no_axes_are_told_to_stand(tmp_path):
     assert drafted["model"]["held"] == {"turn": 0.0, "reach": 0.0}
 
 
-LINKS = "".join(
-    f'<link name="{name}"><inertial><origin xyz="0.1 0 0"/><mass value="1"/>'
-    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-    for name in ("base", "a", "b", "c")
-)
+LINKS = ("base", "a", "b", "c")
+
+
+def link(name: str) -> str:
+    return (
+        f'<link name="{name}"><inertial><origin xyz="0.1 0 0"/><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    )
 
 
 def urdf(*joints: str, more: str = "") -> str:
-    """A chain of the links base, a, b, c; joints: type and what stands in the element, by space."""
-    chain, parents = "", ("base", "a", "b")
-    for parent, child, joint in zip(parents, ("a", "b", "c"), joints, strict=False):
+    """A chain of the links base, a, b, c, as long as there are joints: type and what stands in the element, by
+    space."""
+    chain = "".join(map(link, LINKS[: len(joints) + 1]))
+    for parent, child, joint in zip(LINKS, LINKS[1:], joints, strict=False):
         kind, _, inside = joint.partition(" ")
         ends = f'<parent link="{parent}"/><child link="{child}"/><axis xyz="0 1 0"/>'
         chain += f'<joint name="to {child}" type="{kind}">{ends}{inside}</joint>'
-    return f'<robot name="r">{LINKS}{chain}{more}</robot>'
+    return f'<robot name="r">{chain}{more}</robot>'
 
 
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
@@ -139,6 +143,7 @@ FILES = {
     "mimic.urdf": (urdf(f"revolute {LIMIT}", f'revolute {LIMIT}<mimic joint="none"/>'),
                    "joint 'to b' mimics 'none', which is no joint that moves"),
     "fixed.urdf": (urdf("fixed", f'revolute {LIMIT}<mimic joint="to a"/>'), "joint 'to b' mimics 'to a'"),
+    "loose.urdf": (urdf(f"revolute {LIMIT}", more=link("b")), "links 'base', 'b' hang on no joint, and a URDF has one"),
     "unnamed.xml": (mjcf(body("arm", 'axis="0 1 0" range="-1 1"', 1.0, "0.1 0 0")),
                     "a joint of body 'arm' has no name; give it one"),
     "mesh.xml": (mjcf('<body name="a"><joint name="j"/><geom type="mesh" mesh="m"/></body>',
@@ -187,6 +192,8 @@ def refused(file, words, capsys, axes=()):
             ),
             "the loops do not close at the reference pose",
         ),
+        (["--axes", "lift,lift"], ARM, "joint 'lift' is given twice"),
+        (["--axes", "lift,"], ARM, "joint '' is not known; give one of turn, lift, reach"),
         (["--axes", "lift,wrist"], ARM, "joint 'wrist' is not known; give one of turn, lift, reach"),
         ([], mjcf("<body/>"), "no joint moves on its own"),
         (

@@ -243,6 +243,67 @@ def test_published_urdf_loads_without_its_meshes(tmp_path, name):
     assert not isinstance(robot, HasPassiveJoints)
 
 
+# A delta: hips R from the middle, arms L, rods of length ROD, platform joints R_PLATFORM from its middle; m and kg. The
+# two bars of each parallelogram are one rod along their middle, as the platform does not turn.
+R, L, ROD, R_PLATFORM, ARM_CENTRE, ROD_CENTRE = 0.2, 0.25, 0.6, 0.05, 0.11, 0.35
+ARM_KG, ROD_KG, PLATFORM_KG = 0.9, 0.4, 1.3
+LEG_RAD = 2 * np.pi * np.arange(3) / 3
+
+
+def delta_mjcf() -> str:
+    """At zero the arms are level. Motors turn them down; the platform slides along x, y, z, held by three rods."""
+    out = R + L - R_PLATFORM
+    height = np.sqrt(ROD**2 - out**2)
+    legs = sites = ties = ""
+    for k, angle in enumerate(LEG_RAD):
+        rod = (
+            f'<body name="rod{k}" pos="{L} 0 0" euler="0 {np.arctan2(height, -out)} 0"><joint axis="0 1 0"/>'
+            f'<joint axis="0 0 1"/><inertial pos="{ROD_CENTRE} 0 0" mass="{ROD_KG}" diaginertia="1e-3 1e-3 1e-3"/>'
+            f'<site name="tip{k}" pos="{ROD} 0 0"/></body>'
+        )
+        hip = R * np.cos(angle), R * np.sin(angle)
+        legs += (
+            f'<body name="arm{k}" pos="{hip[0]} {hip[1]} 0" euler="0 0 {angle}">'
+            f'<joint name="motor{k}" axis="0 1 0" range="-0.6 0.8"/>'
+            f'<inertial pos="{ARM_CENTRE} 0 0" mass="{ARM_KG}" diaginertia="1e-3 1e-3 1e-3"/>{rod}</body>'
+        )
+        sites += f'<site name="at{k}" pos="{R_PLATFORM * np.cos(angle)} {R_PLATFORM * np.sin(angle)} 0"/>'
+        ties += f'<connect site1="tip{k}" site2="at{k}"/>'
+    slides = "".join(f'<joint type="slide" axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
+    platform = f'<inertial pos="0 0 0" mass="{PLATFORM_KG}" diaginertia="1e-3 1e-3 1e-3"/>'
+    world = f'{legs}<body name="platform" pos="0 0 {-height}">{slides}{platform}{sites}</body>'
+    return mjcf(world, f"<equality>{ties}</equality>")
+
+
+def delta_efforts(q):
+    """Torques (n, 3), Nm, that hold a delta at motor angles q (n, 3), rad: the gradient of its potential energy.
+
+    Its platform p is where three spheres of radius ROD about c_k meet, below them; (p - c_k) (dp - dc_k) = 0 gives dp.
+    """
+    outward = np.stack([np.cos(LEG_RAD), np.sin(LEG_RAD), 0 * LEG_RAD], axis=1)
+    z = np.array([0.0, 0.0, 1.0])
+    along = np.cos(q)[..., None] * outward - np.sin(q)[..., None] * z
+    across = -np.sin(q)[..., None] * outward - np.cos(q)[..., None] * z
+    c = (R - R_PLATFORM) * outward + L * along
+    u, v = c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]
+    normal = np.cross(u, v)
+    square = np.sum(normal**2, axis=1, keepdims=True)
+    centre = np.cross(np.sum(u**2, 1, keepdims=True) * v - np.sum(v**2, 1, keepdims=True) * u, normal) / (2 * square)
+    down = -np.sign(normal[:, 2:]) * np.sqrt((ROD**2 - np.sum(centre**2, 1, keepdims=True)) / square)
+    p = c[:, 0] + centre + down * normal
+    rods = p[:, None] - c
+    platform = np.linalg.solve(rods, np.eye(3) * L * np.sum(rods * across, axis=2)[:, None])[:, 2]
+    part = ROD_CENTRE / ROD
+    arm = (ARM_KG * ARM_CENTRE + ROD_KG * (1 - part) * L) * across[..., 2]
+    return G * (arm + (3 * ROD_KG * part + PLATFORM_KG) * platform)
+
+
+def test_delta_of_three_motors_is_held_by_the_closed_form(tmp_path):
+    machine = mechanism(tmp_path, delta_mjcf(), {f"motor{k}": "" for k in range(3)})
+    q = machine.robot.workspace(300, 21)
+    np.testing.assert_allclose(machine.robot.forces(q), delta_efforts(q), atol=1e-8)
+
+
 def test_bodies_without_inertial_weigh_what_their_simple_geoms_do(tmp_path):
     text = mjcf(
         '<body><joint name="j" axis="0 -1 0" range="-1 1"/><geom type="sphere" size="0.1" pos="0.3 0 0" mass="2"/>'
@@ -276,6 +337,7 @@ BAD = {
     "beyond the limits": (ONE, {"j": "low = -90"}, "low .. high = -90 .. 1 is beyond the limits of 'j', -1 .. 1 rad"),
     "length is no number": (ONE.replace("0.1 0 0", "nan 0 0"), {"j": ""}, '<inertial> pos="nan 0 0" is not a number'),
     "axis is no number": (ONE.replace("0 1 0", "nan 1 0"), {"j": ""}, '<joint> axis="nan 1 0" is not a number'),
+    "counts of hundreds of digits": (ONE, {"j": f"counts_per_turn = 1{'0' * 400}"}, "counts_per_turn = 1000"),
     "negative mass": (ONE.replace('mass="1.0"', 'mass="-1"'), {"j": ""}, "body 'a' has mass -1 kg"),
     "unit clash": (ONE, {"j": LINEAR}, "counts_per_turn is missing; the axis moves in rad, counts_per_m is of"),
     "not XML": ("<mujoco", {"j": ""}, "not a URDF or MJCF: no XML"),
@@ -363,6 +425,8 @@ def test_bad_robot_is_refused_in_one_line(tmp_path, case, capsys):
         ("[model.held]\nj = 1", "[model.held]: joint 'j' is an axis"),
         ('[workspace]\nkind = "ball"', '[workspace] kind = \'ball\'; give "box" or "poses"'),
         ('[workspace]\nkind = "poses"\nfile = "none.csv"', "none.csv: not found"),
+        ('[workspace]\nkind = "box"\nfile = "none.csv"', "[workspace]: file is not known; give kind"),
+        ('payload = "a"', "[model]: payload is not known; give file, gravity, held, kind, payload_body"),
     ],
 )
 def test_bad_key_of_the_model_is_refused_in_one_line(tmp_path, model, words, capsys):

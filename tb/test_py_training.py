@@ -13,7 +13,7 @@ from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
 from gravcomp.network.weights import load_network, save_network
 from gravcomp.parallel import one_blas_thread, run_parallel
-from gravcomp.robot.machine import parse_machine
+from gravcomp.robot.machine import load_machine, parse_machine
 from gravcomp.robot.spheiro.kinematics import inverse_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces
 from gravcomp.robot.spheiro.workspace import pose
@@ -35,6 +35,7 @@ from gravcomp.training.training import (
 )
 from gravcomp.training.waves import waves_of
 from machines import MACHINE, SHIPPED, P, changed
+from mechanisms import body, mjcf, write_mechanism
 
 ALL = np.ones(3, dtype=bool)  # of three axes
 SHORT = Effort(draws=2, tied_hops=2, hops=2, search_poses=100)
@@ -279,3 +280,28 @@ def test_a_larger_network_is_searched_as_long_as_a_small_one():
     assert large.search_poses >= 2 * (40 * 13 + 6 * 41)
     cost_of = lambda effort, columns: effort.hops * effort.search_poses * columns**2  # noqa: E731
     assert cost_of(large, 40 * 14 + 1) < 2.5 * cost_of(small, 101)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('mass="2.0"', 'mass="1e30"', "no core holds its ranges and efforts (axis 1, column f_scale is too large"),
+        ('mass="2.0"', 'mass="1e-9"', "no core holds its ranges and efforts (axis 1, column f_scale is too"),
+        (
+            'range="-1 1"',
+            'range="-1e20 1e20"',
+            "no core holds its ranges and efforts (axis 1, column q_scale: the",
+        ),
+        ("effort_per_ampere = 10.0", "effort_per_ampere = 1e-30", "axis 1: effort_per_ampere is too large or small"),
+    ],
+)
+def test_machine_that_no_core_holds_is_refused_before_its_training(tmp_path, old, new, said):
+    folder = write_mechanism(tmp_path, mjcf(body("a", 'name="j" axis="0 1 0" range="-1 1"', 2.0, "0.1 0 0")), {"j": ""})
+    for file in (folder / "robot.xml", folder / "robot.toml"):
+        file.write_text(file.read_text().replace(old, new))
+    machine = load_machine(folder)
+    data = workspace_set(50, machine.robot, 1)
+    with pytest.raises(InputError) as refused:
+        train(data, machine, n_hidden=2, n_starts=1, effort=None)  # which would be asked for the first draw
+    assert str(refused.value).startswith(f"{folder / 'robot.toml'}: ")
+    assert said in str(refused.value)

@@ -26,7 +26,8 @@ def run(arguments):
 
     place = shlex.quote(str(arguments.folder))
     if arguments.file:
-        asked = write_drafted_project(arguments.folder, arguments.file, [n for n in arguments.axes.split(",") if n])
+        axes = arguments.axes.split(",") if arguments.axes else []
+        asked = write_drafted_project(arguments.folder, arguments.file, axes)
         print(f"{arguments.folder}: written; {MACHINE} in it is {arguments.file}")
         print(f"  next: cd {place}, give {', '.join(asked)} in {MACHINE}/robot.toml, make train test")
         return

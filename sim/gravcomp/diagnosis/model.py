@@ -126,7 +126,7 @@ def load_model(path: Path | str) -> Model:
         table = tomllib.loads(text)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read ({error}); give a machine folder or a model.toml") from error
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not valid TOML ({error}); correct that line") from error
     for name in table:
         meant = difflib.get_close_matches(name, _TABLES, cutoff=0.7)

@@ -319,7 +319,7 @@ def read_limits(path: Path) -> dict:
     """The tables of a TOML file of limits. Raises InputError when it cannot be read."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: cannot be read ({reason}); give a TOML file of limits") from None
 

@@ -20,7 +20,8 @@ import numpy as np
 
 from gravcomp.errors import InputError
 from gravcomp.network.inputs import INPUTS, POSITION, SIN_COS
-from gravcomp.robot.fields import entry, finite, positive, ratio
+from gravcomp.robot.fields import entry, finite, only, positive, ratio
+from gravcomp.robot.fields import text as text_of
 from gravcomp.robot.kinds import robot_from_table
 from gravcomp.robot.protocol import HasRanges, ReadsFiles, Robot
 
@@ -35,6 +36,9 @@ COUNTS = {"m": "counts_per_m", "rad": "counts_per_turn"}  # key of [[axis]] by t
 _ALL_COUNTS = 2**32  # that a counter takes
 # Keys of robot.toml that statics and workspace depend on: a network is trained on them.
 _TRAINED_ON = ("model", "workspace", "effects", "empirical")
+_CYCLE = 4  # counts of one cycle of an encoder, whose marks repeat with it
+_KEYS = ("name", "clock_hz", "network", "axis", *_TRAINED_ON)
+_AXIS_KEYS = ("name", "joint", *COUNTS.values(), "effort_per_ampere", "index_period", "low", "high", "input")
 
 
 @dataclass(frozen=True)
@@ -193,14 +197,16 @@ def parse_machine(text: str, where: str) -> Machine:
     """The machine of a robot.toml's text; where names it in messages. Raises InputError."""
     try:
         table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # a whole number of thousands of digits, too
         raise InputError(f"{where}: not valid TOML ({error}); correct that line") from error
+    only(table, where, _KEYS)
     clock_hz = positive(table, where, "clock_hz")
     if clock_hz != int(clock_hz) or clock_hz >= 2**31:
         raise InputError(f"{where}: clock_hz = {clock_hz:g} is not a whole number of Hz below 2^31; correct it")
     activation = entry(entry(table, where, "network"), f"{where}: [network]", "activation")
     if activation not in ACTIVATIONS:
         raise InputError(f"{where}: [network] activation = {activation!r}; give one of {', '.join(ACTIVATIONS)}")
+    only(table["network"], f"{where}: [network]", ("activation", "form"))
     form = table["network"].get("form", PAPER)
     if form not in FORMS:
         raise InputError(f"{where}: [network] form = {form!r}; give one of {', '.join(FORMS)}")
@@ -211,8 +217,8 @@ def parse_machine(text: str, where: str) -> Machine:
     if len(entries) != robot.n_axes:
         raise InputError(f"{where}: {len(entries)} tables [[axis]], but the robot has {robot.n_axes} axes")
     axes = tuple(_axis(table, f"{where}: axis {k + 1}", robot, k) for k, table in enumerate(entries))
-    name = table.get("name", Path(where).parent.name)
-    return Machine(str(name), clock_hz, activation, form, robot, axes, text, where)
+    name = text_of(table, where, "name") if "name" in table else Path(where).parent.name
+    return Machine(name, clock_hz, activation, form, robot, axes, text, where)
 
 
 def _other_input(axis: Axis) -> list[str]:
@@ -227,17 +233,17 @@ def trained_on_hash(facts: Mapping) -> str:
 def _axis(table, where: str, robot: Robot, index: int) -> Axis:
     if not isinstance(table, dict):
         raise InputError(f"{where} is not a table; write [[axis]]")
-    known = {"name", "joint", *COUNTS.values(), "effort_per_ampere", "index_period", "low", "high", "input"}
-    for key in table.keys() - known:
-        raise InputError(f"{where}: {key} is not known; give {', '.join(sorted(known))}")
+    only(table, where, _AXIS_KEYS)
     unit = robot.position_units[index]
     kind = table.get("input", POSITION)
     if kind not in INPUTS or (kind == SIN_COS and unit != "rad"):
         mend = "give position or sin_cos" if unit == "rad" else "this core takes positions alone of a linear axis"
         raise InputError(f"{where}: input = {kind!r}; {mend}")
     period = table.get("index_period", 0)
-    if isinstance(period, bool) or not isinstance(period, int) or period < 0:
-        raise InputError(f"{where}: index_period = {period!r} is not a number of counts; give 0 for one mark")
+    is_whole = isinstance(period, int) and not isinstance(period, bool)
+    if not is_whole or not 0 <= period < _ALL_COUNTS or period % _CYCLE:
+        raise InputError(f"{where}: index_period = {period!r} is no multiple of {_CYCLE} counts below 2^32; correct "
+                         "it, 0 for one mark")  # fmt: skip
     low, high = _range(table, where, robot, index)
     return Axis(
         name=str(table.get("name", table.get("joint", f"axis {index + 1}"))),

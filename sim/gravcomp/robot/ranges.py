@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.errors import InputError
-from gravcomp.robot.fields import entry, finite, text
+from gravcomp.robot.fields import entry, finite, only, text
 from gravcomp.robot.poses import read_positions
 
+_WORKSPACE_KEYS = {"box": ("kind",), "poses": ("kind", "file")}
 _BEYOND = 1e-3  # of a joint's range: its limits are often rounded
 
 
@@ -103,6 +104,8 @@ def workspace_of(table: Mapping, where: str, ranges: list[Range], units: tuple[s
     section = table.get("workspace", {"kind": "box"})
     place = f"{where}: [workspace]"
     kind = text(section, place, "kind")
+    if kind in _WORKSPACE_KEYS:
+        only(section, place, _WORKSPACE_KEYS[kind])
     if kind == "box":
         return Box(ranges)
     if kind != "poses":

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from gravcomp.errors import InputError
-from gravcomp.robot.fields import text
+from gravcomp.robot.fields import only, text
 from gravcomp.robot.poses import read_samples
 from gravcomp.robot.protocol import Bounds, PoseError
 from gravcomp.robot.ranges import draw_rows
@@ -78,6 +78,7 @@ class EffortTable:
 
 def from_table(table: dict, where: str) -> EffortTable:
     """The robot of a robot.toml at the path where. Raises InputError naming file, row and column."""
+    only(table["model"], f"{where}: [model]", ("kind", "file"))
     path = Path(where).parent / text(table["model"], f"{where}: [model]", "file")
     return read_table(path)
 

@@ -38,7 +38,7 @@ def _with_table(text: str, file: str, where: Path) -> str:
     new = "\n".join([*kept, "", model, ""])
     try:
         before, after = tomllib.loads(text), tomllib.loads(new)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{where}: not valid TOML ({error}); correct that line") from error
     if {**before, "model": None, "workspace": None} != {"workspace": None, **after, "model": None}:
         raise InputError(f"{where}: write [model] and [workspace] as tables of their own, to be replaced by --data")

@@ -7,15 +7,16 @@ its weights are snapped to the 18-bit codes of the hardware and the output layer
 
 import hashlib
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from gravcomp.core.formats import quantise
 from gravcomp.errors import InputError
 from gravcomp.network.inputs import axis_of_input
-from gravcomp.network.weights import Network
+from gravcomp.network.weights import SCALING_CSV, Network
 from gravcomp.parallel import one_blas_thread, run_parallel
-from gravcomp.robot.machine import Drive, Machine
+from gravcomp.robot.machine import ROBOT_TOML, Drive, Machine
 from gravcomp.robot.protocol import HasRows, Robot
 from gravcomp.training import POLISH_STEPS
 from gravcomp.training.felt_axes import felt_axes
@@ -141,6 +142,7 @@ def train(
     """
     check_size(data, n_hidden, n_starts)
     scaling = workspace_scaling(machine)
+    check_core_holds(machine, scaling)
     x, y = scaling.x(data.q), scaling.y(data.f)
     axes = felt_axes(machine.robot)
     felt = axes[axis_of_input(machine.inputs)]
@@ -157,6 +159,19 @@ def train(
         fit = levenberg_marquardt(problem, best.hidden, Stop(steps=polish, stall=_POLISH_STALL))
     fit = replace(fit, hidden=_of_all_inputs(fit.hidden, felt))
     return snapped(fit, _problem(x, y, n_hidden, activation, symmetric), scaling, machine.drive), fit
+
+
+def check_core_holds(machine: Machine, scaling: Scaling) -> None:
+    """Raise InputError, before the training and not after it, where no network of these ranges and efforts fits."""
+    nothing = as_network(np.zeros((1, len(axis_of_input(machine.inputs)) + 1)), np.zeros((machine.n_axes, 2)), scaling)
+    try:
+        quantise(nothing, machine.drive, Path(machine.where).parent)
+    except InputError as error:
+        if ROBOT_TOML in str(error):
+            raise
+        _, _, reason = str(error).partition(f"{SCALING_CSV}: ")
+        raise InputError(f"{machine.where}: no core holds its ranges and efforts ({reason.replace('row', 'axis', 1)}); "
+                         "correct the masses, lengths, ranges or counts that they follow from") from error  # fmt: skip
 
 
 def _of_all_inputs(hidden: np.ndarray, felt: np.ndarray) -> np.ndarray:

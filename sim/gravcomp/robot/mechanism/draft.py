@@ -106,7 +106,9 @@ def _named(tree: Tree, names: Sequence[str], path: Path) -> list[int]:
         if name not in [tree.joints[k] for k in movable]:
             known = ", ".join(tree.joints[k] for k in movable)
             raise InputError(f"{path}: joint {name!r} is not known; give one of {known}")
-    return _few_enough(tree, [tree.joints.index(name) for name in dict.fromkeys(names)], path)
+        if names.count(name) > 1:
+            raise InputError(f"{path}: joint {name!r} is given twice; an axis has one motor")
+    return _few_enough(tree, [tree.joints.index(name) for name in names], path)
 
 
 def _with_motor(tree: Tree, path: Path) -> list[int]:

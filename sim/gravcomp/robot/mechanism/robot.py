@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.errors import InputError
-from gravcomp.robot.fields import finite, text
+from gravcomp.robot.fields import finite, only, text
 from gravcomp.robot.mechanism.closure import Closed, Closure, driven_loops
 from gravcomp.robot.mechanism.outward import holding_efforts
 from gravcomp.robot.mechanism.source import compile_model, sources
@@ -244,6 +244,7 @@ class ClosedMechanism(Mechanism):
 def from_table(table: dict, where: str) -> Mechanism:
     """The robot of a robot.toml at the path where. Raises InputError naming table and key."""
     model, place = table["model"], f"{where}: [model]"
+    only(model, place, ("kind", "file", "gravity", "payload_body", "held"))
     path = Path(where).parent / text(model, place, "file")
     tree = Tree(compile_model(path))
     entries = axis_entries(table, where)

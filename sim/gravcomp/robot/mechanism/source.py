@@ -42,6 +42,7 @@ def model_spec(path: Path, *, with_inertia: bool):
     with _told(path):
         spec = mujoco.MjSpec.from_file(str(path))
         _check_numbers(path)
+        _check_links(path)
         _check_mimics(path)
         _check_limits(spec, path)
         _leave_mechanics(spec, path, mujoco, with_inertia)
@@ -133,6 +134,19 @@ def _check_encoding(file: Path, content: bytes) -> None:
         raise InputError(
             f"{file}: line {line} is not UTF-8, which MuJoCo takes it for; save the file as UTF-8"
         ) from error
+
+
+def _check_links(path: Path) -> None:
+    """MuJoCo fixes a link of a URDF that hangs on no joint to the world, and what it weighs is lost to the robot."""
+    root = ElementTree.parse(path).getroot()
+    links = root.findall("link") if root.tag == "robot" else []
+    children = {child.get("link") for child in root.findall("joint/child")}
+    roots = [link.get("name") for link in links if link.get("name") not in children]
+    if len(roots) > 1:
+        raise InputError(
+            f"{path}: links {', '.join(map(repr, roots))} hang on no joint, and a URDF has one such link, its base; "
+            "give the others their joints, or take them out"
+        )
 
 
 def _check_mimics(path: Path) -> None:
