@@ -163,6 +163,35 @@ def test_late_effort_is_a_lag_where_the_model_is_constant(tmp_path):
     assert value(found, "coulomb_friction", "fc_1") == pytest.approx(2.0, abs=0.06)
 
 
+def test_how_a_motion_began_is_no_step_of_friction(tmp_path):
+    """A slide that was pushed back before: its friction pulls the other way until it has come some travels far, which
+    takes a slow start long. z = 1 - 2 exp(-way/s) until the first reversal.
+    """
+    t = 0.1 * np.arange(800)
+    speed = 0.05 * np.sin(0.25 * np.maximum(t - 6.0, 0.0)) + 0.001 * np.minimum(t / 6.0, 1.0)
+    q = np.cumsum(speed) * 0.1
+    z, state = np.empty_like(t), -1.0
+    for k, step in enumerate(np.diff(q, prepend=0.0)):
+        state = np.sign(step) + (state - np.sign(step)) * np.exp(-abs(step) / 0.004)
+        z[k] = state
+    noise = NOISE * np.random.default_rng(3).standard_normal(len(t))
+    text = log(t_s=t, q1_m=q, v1_mps=speed, f1_n=5.0 + 0.6 * z + noise, fm1_n=5.0 + 0.0 * t)
+    found = diagnosed(tmp_path, text)
+    assert names(found) == {"presliding_hysteresis"}
+    assert value(found, "presliding_hysteresis", "s_1") == pytest.approx(0.004, rel=0.2)
+
+
+@pytest.mark.parametrize("turns", [2.6, 2.9, 3.0])
+def test_cogging_of_three_turns_over_the_range_is_named(tmp_path, turns):
+    t, q, v, _, noise = arm(1500)
+    span = np.ptp(q)
+    ripple = 0.2 * np.sin(2.0 * np.pi * turns * q / span + 0.7)
+    text = log(t_s=t, q1_m=q, v1_mps=v, f1_n=20.0 + ripple + noise, fm1_n=20.0 + 0.0 * t)
+    found = diagnosed(tmp_path, text)
+    assert names(found) == {"cogging"}
+    assert value(found, "cogging", "pitch") == pytest.approx(span / turns, rel=0.02)
+
+
 def test_friction_that_settles_along_a_travel_is_no_lag(tmp_path):
     """Dahl's friction is late, too, but by a travel."""
     t, q, v, noise = vertical()

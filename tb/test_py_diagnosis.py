@@ -93,6 +93,14 @@ def test_diagnosis_gives_an_unlisted_effect_its_driver_and_no_name(tmp_path, sti
     assert (found["drivers"][0]["axis"], found["drivers"][0]["variable"]) == (1, "q1")
 
 
+def test_zero_of_an_encoder_is_no_payload_beside_it(tmp_path):
+    """8 mm is so far that the force of the offset is curved; a payload would be what its first order misses."""
+    offset = np.array([0.008, 0.007, -0.006])
+    _, found = run(tmp_path, holds(lambda q, v: holding_forces_at(q + offset, P) - holding_forces_at(q, P)))
+    assert [effect["name"] for effect in found["effects"]] == ["encoder_offset"]
+    assert found["verdict"] == "explained"
+
+
 def test_saturation_of_the_effort_is_no_friction(tmp_path):
     """f |f| is friction with the square of the load where the motor drives, and its opposite where the load does."""
 

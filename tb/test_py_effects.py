@@ -499,6 +499,21 @@ def test_derivatives_are_those_of_the_prediction(case):
     assert not effect.is_linear or case.linear
 
 
+def test_columns_of_a_curved_effect_lead_to_its_force_at_any_size():
+    """Three times a usual size: the columns of small parameters miss a part of the force that a name may imitate."""
+    curved = [case for case in CASES.values() if effect_of(case).is_curved]
+    assert {effect_of(case).name for case in curved} == {"encoder_offset", "base_tilt", "link_compliance", "backlash"}
+    for case in curved:
+        effect, data = effect_of(case), motion(400)
+        large = {name: value * (1.0 if "travel" in name else 3.0) for name, value in case.params.items()}
+        wanted, size = effect.predict(data, large), np.abs(effect.predict(data, large)).max()
+        led = sum(large[name] * column for name, column in effect.columns_to(data, large).items())
+        np.testing.assert_allclose(led, wanted, atol=1e-4 * size, rtol=0)
+        shape = {name: value for name, value in large.items() if "travel" in name}
+        small = sum(large[name] * column for name, column in effect.columns(data, shape).items())
+        assert np.abs(small - wanted).max() > 1e-3 * size
+
+
 @every_case
 def test_fit_recovers_the_parameters_within_its_own_intervals(case):
     effect, data = effect_of(case), case.many()
@@ -602,6 +617,31 @@ def test_passive_joint_that_reverses_leaves_its_friction_in_doubt():
     assert 0.01 < slow.mean() < 0.9
     np.testing.assert_allclose(doubt, 2.0 * np.einsum("npk,np->nk", np.abs(jacobian), slow), atol=1e-9)
     assert not effect_named("coulomb_friction").doubt(data, {"fc_1": 1.0}).any()
+
+
+@pytest.mark.parametrize("n_runs", [1, 2])
+def test_how_friction_stood_when_a_motion_began_is_in_doubt(n_runs):
+    """Between fc and -fc, fading along the way: 2 fc exp(-way/s). A second run may have begun anywhere again."""
+    data = motion(600)
+    data = replace(data, run=np.repeat(np.arange(n_runs), 600 // n_runs))
+    doubt = effect_named("presliding_hysteresis").doubt(data, {"fc_1": 1.5, "s_1": 0.01})
+    step = np.where(data.is_first, 0.0, np.abs(np.diff(data.q[:, 0], prepend=data.q[0, 0])))
+    way = np.concatenate([np.cumsum(own) for own in np.split(step, n_runs)])
+    np.testing.assert_allclose(doubt[:, 0], 3.0 * np.exp(-way / 0.01), atol=1e-9)
+    assert not doubt[:, 1:].any()
+
+
+def test_side_of_a_gap_is_in_doubt_until_it_was_crossed():
+    """The gap times the stiffness of the model; none is left when the joint has come as far as its travel."""
+    data, travel_m = motion(600), 0.02
+    effect = next(kind() for kind in EFFECTS if kind.name == "backlash" and "travel" in kind.scales)
+    doubt = effect.doubt(data, {"gap_2": 1e-3, "travel_2": travel_m})
+    stiffness = np.abs(data.sensitivity[..., 1])
+    np.testing.assert_allclose(doubt[0], 1e-3 * stiffness[0], rtol=1e-9)
+    assert (doubt <= 1e-3 * stiffness + 1e-12).all()
+    come = np.flatnonzero(np.abs(data.q[:, 1] - data.q[0, 1]) > travel_m)[0]
+    assert not doubt[come:].any()
+    assert doubt[: come // 2].all()
 
 
 def test_drift_over_time_is_the_same_on_a_log_with_temperature():

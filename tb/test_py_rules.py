@@ -184,6 +184,34 @@ class Curve(Named):
     name = "curve"
 
 
+class OfPosition(Named):
+    """Two coefficients: fewer than a table."""
+
+    is_of_own_position = True
+
+    def __init__(self, name: str):
+        self.name = name
+
+
+@pytest.mark.parametrize(("is_of_own_position", "beaten"), [(True, {("a", 0), ("b", 0)}), (False, set())])
+def test_names_that_follow_one_position_are_asked_together(is_of_own_position, beaten):
+    """Four columns that together are nearly one correction, as a spring and a wave are a stop."""
+    rng, n = np.random.default_rng(12), 500
+    columns, noise = rng.standard_normal((n, 4)), rng.standard_normal((n, 1))
+    whole = columns.sum(axis=1, keepdims=True) + 0.3 * rng.standard_normal((n, 1))
+    names = [OfPosition(name) for name in "ab"]
+    for own in names:
+        own.is_of_own_position = is_of_own_position
+    terms = [
+        Regressor(Term(own, tuple(Parameter(f"x{a}", 0) for a in range(2))), (columns[:, 2 * k : 2 * k + 2],))
+        for k, own in enumerate(names)
+    ]
+    terms.append(Regressor(Term(OfOneAxis(0), (Parameter("y"),)), (whole,)))
+    gram = Gram(terms, whole + NOISE * noise, np.ones((n, 1)), np.full(1, NOISE**2), np.full(1, float(n)))
+    criterion = Criterion([own.term for own in terms], gram, 2, {})
+    assert _beaten(criterion, frozenset({0, 1})) == beaten
+
+
 class OfOneAxis(Nameless):
     def __init__(self, axis: int):
         self.axis = axis

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from gravcomp.diagnosis.search.hinge import SIDES, corner_in
+from gravcomp.diagnosis import corrections
+from gravcomp.diagnosis.search.hinge import SIDES, corner_in, corners_in, hinge
 from gravcomp.diagnosis.search.periodogram import find_lines, pitch_of, step_in
+from measured_samples import holds
 
 SPAN_M = 0.16
 PITCH_M = 0.012
@@ -98,6 +100,44 @@ def test_orders_of_a_full_turn_are_counted_per_turn():
 
 def test_no_lines_have_no_pitch():
     assert pitch_of([], SPAN_M, None) is None
+
+
+def test_harmonics_of_a_pitch_can_be_told_from_one_another():
+    """Any two lines of a few cycles are near to two of a pitch that is longer than the range."""
+    for first, second in np.random.default_rng(13).uniform(2.0, 6.0, (200, 2)):
+        pitch, _ = pitch_of([(first / SPAN_M, 34.0), (second / SPAN_M, 23.0)], SPAN_M, None)
+        assert SPAN_M / pitch > 0.9
+
+
+@pytest.mark.parametrize("cycles", [2.5, 2.7, 2.9, 3.0, 3.3])
+@pytest.mark.parametrize("phase", [0.0, 1.6])
+def test_line_of_few_cycles_is_found_where_it_is(cycles, phase):
+    """A trend takes the more of a wave the fewer its cycles, so the peak of the power lies above it."""
+    q, noise = scattered(11)
+    x = q[:, 0]
+    wave = np.sin(2 * np.pi * cycles * x / SPAN_M + phase)
+    (frequency, _), *_ = find_lines(x, wave[:, None] + 0.3 * noise[:, [0]])
+    assert frequency * SPAN_M == pytest.approx(cycles, abs=0.05)
+
+
+@pytest.mark.parametrize("power", [1.0, 2.0])
+def test_both_ends_of_a_travel_are_found_together(power):
+    """The corners of one end alone lie where the other end's force is."""
+    q, noise = scattered(12)
+    x = q[:, 0] / SPAN_M  # -0.5..0.5
+    force = 40.0 * (hinge(x, 0.1, 1.0, power) - 0.7 * hinge(x, -0.2, -1.0, power)) + 3.0 + 0.3 * noise[:, 0]
+    np.testing.assert_allclose(corners_in(x, force, power), (-0.2, 0.1), atol=0.03)
+    assert corners_in(x[:10], force[:10], power) is None
+
+
+def test_stop_is_scanned_without_what_is_left_out():
+    """Its deepest samples are gross errors until it has a name; as zeros they would move the corner."""
+    data = holds(600, 1)
+    force = 3000.0 * hinge(data.q, 0.05, 1.0, 1.0)
+    keep = force < 60.0
+    found = corrections.hinges(data, np.arange(600), force * keep, keep)
+    corners = [own.shape[0] for own in found if own.kind == "hinge" and own.shape[1:] == (1.0, 1.0)]
+    np.testing.assert_allclose(corners, 0.05, atol=2e-4)
 
 
 @pytest.mark.parametrize("side", SIDES)

@@ -5,9 +5,10 @@ only ``columns``; the final fit calls ``predict``.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 from gravcomp.diagnosis.thresholds import DIFFERENCE_STEP
 from gravcomp.logs.measurement import Measurement
@@ -99,6 +100,7 @@ class Candidate:
     scales: tuple[str, ...] = ()  # stems of shape parameters, which are > 0
     limits: Mapping[str, float] = {}
     is_simple = False  # two of these together may stand for another
+    is_curved = False  # its columns are those of small parameters, which bear the names of the columns
     is_scanned = False  # sought by a scan of what is left
     is_by_axis = False  # an effect of each axis by itself
     is_of_own_position = False  # on each axis a function of its position alone
@@ -140,6 +142,19 @@ class Candidate:
             out[name] = (self.predict(data, {**parameters, name: parameters[name] + step}) - here) / step
         return out
 
+    def columns_to(self, data: Measurement, parameters: Mapping[str, float]) -> dict[str, np.ndarray]:
+        """Regressors (n, k) whose combination with these parameters is the force: its derivatives, averaged along the
+        straight way from none to them (the fundamental theorem of calculus, by Gauss's rule of three points).
+        """
+        curved = {name: value for name, value in parameters.items() if Parameter.parse(name).stem not in self.scales}
+        total = {}
+        for node, weight in zip(*leggauss(3), strict=True):
+            here = {name: 0.5 * (1.0 + node) * value for name, value in curved.items()}
+            by_name = self.jacobian(data, {**parameters, **here})
+            for name in curved:
+                total[name] = total.get(name, 0.0) + 0.5 * weight * by_name[name]
+        return total
+
     def limits_in(self, data: Measurement) -> Mapping[str, float]:
         """Largest sizes of parameters, by stem or by name, that this data leaves possible."""
         return self.limits
@@ -169,12 +184,15 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One candidate with one shape; labels name its columns."""
+    """One candidate with one shape; labels name its columns, which of a curved one are those to the parameters
+    ``about``.
+    """
 
     candidate: Candidate
     labels: tuple[Parameter, ...]
     shape: Mapping = field(default_factory=dict)
     limits: Mapping[str, float] = field(default_factory=dict)
+    about: Mapping[str, float] = field(default_factory=dict)
 
     def limit(self, label: str) -> float:
         """The largest size of a parameter; infinite without one."""
@@ -183,6 +201,12 @@ class Term:
     @property
     def name(self) -> str:
         return self.candidate.name
+
+    def columns(self, data: Measurement) -> np.ndarray:
+        """(n, k, p)."""
+        own, about = self.candidate, self.about
+        columns = own.columns_to(data, about) if about else own.columns(data, self.shape)
+        return np.stack([columns[label] for label in self.labels], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,6 +220,13 @@ class Regressor:
     def of(cls, candidate: Candidate, data: Measurement, rows: np.ndarray, shape: Mapping = {}) -> "Regressor":
         labels, by_axis = candidate.regressors_by_axis(data, rows, shape)
         return cls(Term(candidate, labels, shape, candidate.limits_in(data)), by_axis)
+
+    @classmethod
+    def about(cls, term: Term, data: Measurement, rows: np.ndarray, parameters: Mapping) -> "Regressor":
+        """A curved term as it is at these parameters."""
+        term = replace(term, about=parameters)
+        columns = term.columns(data)[rows]
+        return cls(term, tuple(own if own.any() else None for own in columns.transpose(1, 0, 2)))
 
     @property
     def has_part(self) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from sklearn.preprocessing import PolynomialFeatures
 
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Variable, on_axis, variables
-from gravcomp.diagnosis.search.hinge import SIDES, corner_in
+from gravcomp.diagnosis.search.hinge import SIDES, corner_in, corners_in, hinge
 from gravcomp.diagnosis.search.periodogram import find_lines, step_in
 from gravcomp.diagnosis.thresholds import CORNER_PRICE, EMPIRICAL_PRICE, SCAN_PRICE, SURFACE_DEGREE
 from gravcomp.logs.measurement import Measurement
@@ -177,7 +177,22 @@ class Hinge(Correction):
 
     def regressors(self, data, rows=slice(None)):
         corner, side, power = self.shape
-        return (np.maximum(side * (self.variables[0].of(data)[rows] - corner), 0.0) ** power)[:, None]
+        return hinge(self.variables[0].of(data)[rows], corner, side, power)[:, None]
+
+
+class Stops(Correction):
+    """Hinges at both ends of a travel: ``shape`` is the lower corner, the upper one, the power."""
+
+    kind = "stops"
+    price = EMPIRICAL_PRICE + 2.0 * CORNER_PRICE
+
+    def n_values(self):
+        is_travel = len(self.shape) == 3 and self.shape[0] <= self.shape[1] and self.shape[2] in _HINGE_POWERS
+        return 2 if is_travel else 0
+
+    def regressors(self, data, rows=slice(None)):
+        x, (low, high, power) = self.variables[0].of(data)[rows], self.shape
+        return np.column_stack([hinge(x, low, -1.0, power), hinge(x, high, 1.0, power)])
 
 
 class Surface(Correction):
@@ -197,7 +212,7 @@ class Surface(Correction):
         return PolynomialFeatures(SURFACE_DEGREE).fit_transform((data.q[rows] - centre) / half)
 
 
-KINDS = {kind.kind: kind for kind in (Table, Line, Square, Product, Wave, Step, Hinge, Surface)}
+KINDS = {kind.kind: kind for kind in (Table, Line, Square, Product, Wave, Step, Hinge, Stops, Surface)}
 
 
 def candidates(data: Measurement) -> list[Correction]:
@@ -244,16 +259,22 @@ def scanned(data: Measurement, rows: np.ndarray, step: np.ndarray, wave: np.ndar
     return out
 
 
-def hinges(data: Measurement, rows: np.ndarray, of_position: np.ndarray) -> list[Correction]:
-    """Hinges over its own position that a scan of what each axis has of it (rows, k) proposes: stops, slack ropes."""
+def hinges(data: Measurement, rows: np.ndarray, of_position: np.ndarray, keep: np.ndarray) -> list[Correction]:
+    """Hinges over its own position that a scan of what each axis has of it (rows, k) proposes, of the entries to keep
+    (rows, k), and pairs of them: stops, slack ropes.
+    """
     out = []
     for axis in range(data.n_axes):
-        x = data.q[rows, axis]
-        for side in SIDES:
-            for power in _HINGE_POWERS:
-                corner = corner_in(x, of_position[:, axis], side, power)
+        use, own = keep[:, axis], (Variable("q", axis),)
+        x, y = data.q[rows[use], axis], of_position[use, axis]
+        for power in _HINGE_POWERS:
+            for side in SIDES:
+                corner = corner_in(x, y, side, power)
                 if corner is not None:
-                    out.append(Hinge(axis, (Variable("q", axis),), (corner, side, power)))
+                    out.append(Hinge(axis, own, (corner, side, power)))
+            both = corners_in(x, y, power)
+            if both is not None:
+                out.append(Stops(axis, own, (*both, power)))
     return out
 
 

@@ -309,7 +309,7 @@ def _search(data: Measurement, before: np.ndarray, rows: np.ndarray, known, tick
         variance = np.maximum(variance, scale**2 * 1e-6)
         scaled = [ripple * ~is_gross / np.maximum((ripple * ~is_gross).std(axis=0), TINY) for ripple in ripples]
         scanned = corrections.scanned(data, rows, unexplained * ~is_gross, scaled[0])
-        scanned += corrections.hinges(data, rows, of_position * ~is_gross)
+        scanned += corrections.hinges(data, rows, of_position, ~is_gross)
         named = effects + refined + _scanned_effects(data, rows, scaled)
         entries = named + plain + [Regressor.of(correction, data, rows) for correction in scanned]
         gram = Gram(entries, residual, weight, variance, independent)
@@ -336,15 +336,20 @@ def _search(data: Measurement, before: np.ndarray, rows: np.ndarray, known, tick
 
 
 def _refined(data: Measurement, before, rows, terms: list[Term], noise) -> list[Regressor]:
-    """Chosen effects at the shapes that an exact fit gives them: what a coarse choice of shapes leaves has no name."""
-    if not any(term.candidate.scales for term in terms):
+    """Chosen effects at the shapes and the parameters that an exact fit gives them: what a coarse choice of shapes, or
+    the column of a small parameter, leaves has no name.
+    """
+    if not any(term.candidate.scales or term.candidate.is_curved for term in terms):
         return []
     few = rows[np.linspace(0, len(rows) - 1, min(len(rows), REFINE_SAMPLES)).astype(int)]
     out = []
     for entry in fit_terms(data, before, few, terms, [], noise).effects:
         own = {name: entry.parameters[name] for name in entry.term.shape if name in entry.parameters}
-        if own:
-            out.append(Regressor.of(entry.term.candidate, data, rows, {**entry.term.shape, **own}))
+        shape = {**entry.term.shape, **own}
+        if entry.term.candidate.is_curved:
+            out.append(Regressor.about(replace(entry.term, shape=shape), data, rows, entry.parameters))
+        elif own:
+            out.append(Regressor.of(entry.term.candidate, data, rows, shape))
     return out
 
 

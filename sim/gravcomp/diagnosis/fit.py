@@ -68,7 +68,7 @@ def fit_terms(
     sure = sure if left_out is None else sure * ~left_out
     weight = sure
     start = _linear_start(data, y, rows, effects, corrections, sure / scale)
-    fixed = [_stacked(data, rows, term) for term in corrections]
+    fixed = [term.columns(data)[rows] for term in corrections]
     for _ in range(HUBER_TURNS):
         solution = _solve(data, y, rows, effects, fixed, start, np.sqrt(weight) / scale, known)
         spread = MAD_TO_SIGMA * np.median(np.abs(solution.left), axis=0) + TINY
@@ -77,16 +77,10 @@ def fit_terms(
     return _entries(effects, corrections, solution, solution.left / scale * np.sqrt(weight))
 
 
-def _stacked(data, rows, term: Term) -> np.ndarray:
-    """Regressors (m, k, p) of a term."""
-    columns = term.candidate.columns(data, term.shape)
-    return np.stack([columns[label][rows] for label in term.labels], axis=-1)
-
-
 def _linear_start(data, y, rows, effects, corrections, weight) -> list[dict[Parameter, float]]:
     """Coefficients of the linearised terms, turned into parameters of the effects."""
     terms = [*effects, *corrections]
-    blocks = [_stacked(data, rows, term) * weight[..., None] for term in terms]
+    blocks = [term.columns(data)[rows] * weight[..., None] for term in terms]
     x = np.concatenate(blocks, axis=-1).reshape(y.size, -1)
     norm = np.linalg.norm(x, axis=0) + TINY
     theta = np.linalg.lstsq(x / norm, (y * weight).ravel(), rcond=1e-9)[0] / norm

@@ -30,7 +30,7 @@ class Measurement:
     force_at: f_model as a function of q (n, k) -> (n, k), or None when only its values at the samples are known;
     robot: what the model is of, or None where its values alone are known; run (n,): which run a row belongs to, where
     runs were joined; unsure (n, k): samples at which the direction is not sure for another reason than v;
-    slow (n, k): samples at which a joint that is no axis reverses; units: of
+    slow (n, k): samples at which the direction of what is no axis is not told, or where it came from; units: of
     effort per axis, where they differ; notes: what reading the log had to put right, a line each; n_dropped: rows
     without a value, or with a mark for one, that are not here; is_predicted: nominal is the log's own, not robot's.
     """
@@ -128,8 +128,16 @@ class Measurement:
         told = 0.5 * (self.v[1:] + self.v[:-1]) * np.diff(self.t_s)[:, None] / scale
         size = np.abs(told).sum(axis=1)
         keeps = np.abs(step - told).sum(axis=1) <= _MOTION_TOLERANCE * size + 1e-3 * (np.ptp(self.q, axis=0) > 0).any()
-        near = np.convolve(keeps, np.ones(9) / 9, mode="same") > 0.7
+        around = np.ones(9)
+        near = np.convolve(keeps, around, "same") > 0.7 * np.convolve(np.ones(len(keeps)), around, "same")
         return np.append(near, near[-1]) if near.mean() > 0.05 else np.zeros(len(self.t_s), bool)
+
+    @cached_property
+    def begins_motion(self) -> np.ndarray:
+        """Rows in motion (n,) that follow from none before: the first of a run, or of a motion behind holds. Where the
+        machine came from is not told there.
+        """
+        return self.is_motion & (self.is_first | ~np.append(False, self.is_motion[:-1]))
 
     @cached_property
     def is_ordered(self) -> bool:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.candidate import Parameter
+from gravcomp.diagnosis.candidate import Parameter, per_axis
 from gravcomp.diagnosis.effects.base import Effect, needs_function, needs_velocity
 from gravcomp.diagnosis.running import after_clips
 
@@ -17,6 +17,7 @@ class Backlash(Effect):
     units = {"gap": "[q]", "travel": "[q]"}  # noqa: RUF012
     positive = ("gap",)
     per_axis = False
+    is_curved = True
     complexity = 2.0
 
     def unavailable(self, data):
@@ -30,7 +31,7 @@ class Backlash(Effect):
         return {Parameter("gap", j): lag[..., j] for j in range(data.n_axes)}
 
     def predict(self, data, parameters):
-        gap = np.array([parameters.get(Parameter("gap", j), 0.0) for j in range(data.n_axes)])
+        gap = per_axis(parameters, "gap", data.n_axes)
         return data.force_at(data.q - 0.5 * gap * _side(data, parameters)) - data.modelled
 
 
@@ -48,19 +49,28 @@ class BacklashInMotion(Backlash):
         fractions = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
         return [{Parameter("travel", j): f * stroke[j] for j in range(data.n_axes)} for f in fractions]
 
+    def doubt(self, data, parameters):
+        """On which side of its gap a joint began to move is not told until it has crossed the gap."""
+        gap = per_axis(parameters, "gap", data.n_axes)
+        up, down = (_side(data, parameters, start) for start in (1.0, -1.0))
+        return np.einsum("nij,nj->ni", np.abs(data.sensitivity), 0.5 * gap * (up - down))
 
-def _side(data, parameters) -> np.ndarray:
-    """z (n, k), -1..1: on which side of its gap each joint is."""
+
+def _side(data, parameters, start: float | None = None) -> np.ndarray:
+    """z (n, k), -1..1: on which side of its gap each joint is; one that begins to move is as if it had moved before,
+    unless a start is given.
+    """
     side = data.direction.copy()
     for j in range(data.n_axes):
         if Parameter("travel", j) in parameters:
-            side[:, j] = _crossing(data, j, parameters[Parameter("travel", j)])
+            side[:, j] = _crossing(data, j, parameters[Parameter("travel", j)], start)
     return side
 
 
-def _crossing(data, axis: int, travel: float) -> np.ndarray:
+def _crossing(data, axis: int, travel: float, start: float | None) -> np.ndarray:
     """z along time, the play operator: dz = 2 dq/travel within -1..1. Holds were approached over more than the gap."""
     step = 2.0 * np.diff(data.q[:, axis], prepend=data.q[0, axis]) / max(travel, 1e-12)
-    moving, hold = data.is_motion & ~data.is_first, data.direction[:, axis]
+    moving, hold = data.is_motion & ~data.begins_motion, data.direction[:, axis]
+    hold = hold if start is None else np.where(data.begins_motion, start, hold)
     shift, low, high = np.where(moving, step, 0.0), np.where(moving, -1.0, hold), np.where(moving, 1.0, hold)
     return after_clips(float(hold[0]), shift, low, high)

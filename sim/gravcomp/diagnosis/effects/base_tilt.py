@@ -18,6 +18,7 @@ class BaseTilt(Effect):
     hardware = "network"
     units = {"tilt": "rad"}  # noqa: RUF012
     per_axis = False
+    is_curved = True
     complexity = 0.5
 
     def unavailable(self, data):

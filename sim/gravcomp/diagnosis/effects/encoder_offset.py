@@ -16,6 +16,7 @@ class EncoderOffset(Effect):
     sensor = "the zero of the encoder"
     units = {"offset": "[q]"}  # noqa: RUF012
     per_axis = False
+    is_curved = True
     complexity = 0.5
 
     unavailable = staticmethod(needs_function)

@@ -16,6 +16,7 @@ class LinkCompliance(Effect):
     hardware = "network"
     units = {"c": "[q]/[f]"}  # noqa: RUF012
     per_axis = False
+    is_curved = True
     complexity = 2.0
 
     unavailable = staticmethod(needs_function)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gravcomp.diagnosis.candidate import Parameter, on_axis, per_axis
+from gravcomp.diagnosis.candidate import Parameter, axes_in, on_axis, per_axis
 from gravcomp.diagnosis.effects.base import Effect
 from gravcomp.diagnosis.running import after_lines
 
@@ -35,17 +35,28 @@ class PreslidingHysteresis(Effect):
             if Parameter("s", i) in shape
         }
 
+    def doubt(self, data, parameters):
+        """How it stood when a motion began is not told, and fades along the travel."""
+        force = np.zeros(data.shape)
+        for i in axes_in(parameters, "s"):
+            up, down = (_state(data, i, parameters[Parameter("s", i)], start) for start in (1.0, -1.0))
+            force[:, i] = abs(parameters.get(Parameter("fc", i), 0.0)) * (up - down)
+        return force
+
     def constants(self, data, parameters):
         """The friction that it ends in."""
         fc = per_axis(parameters, "fc", data.n_axes)
         return {"fc_pos": fc, "fc_neg": fc}
 
 
-def _state(data, axis: int, travel: float) -> np.ndarray:
-    """z along time, exact for piecewise linear q; holds outside motion have slid fully, z = sign(v)."""
+def _state(data, axis: int, travel: float, start: float | None = None) -> np.ndarray:
+    """z along time, exact for piecewise linear q; holds outside motion have slid fully, z = sign(v), and so has what
+    begins to move, unless a start is given.
+    """
     step = np.diff(data.q[:, axis], prepend=data.q[0, axis])
     keep = np.exp(-np.abs(step) / max(travel, 1e-12))
     target = np.sign(step)
-    moving, hold = data.is_motion & ~data.is_first, data.direction[:, axis]
+    moving, hold = data.is_motion & ~data.begins_motion, data.direction[:, axis]
+    hold = hold if start is None else np.where(data.begins_motion, start, hold)
     gain = np.where(moving, keep, 0.0)
     return after_lines(float(hold[0]), gain, np.where(moving, target * (1.0 - keep), hold))

@@ -66,8 +66,8 @@ class SensorLag(Effect):
             return {}
         for _ in range(LAG_TURNS):  # the effort is that of tau before, which tau df/dt is for a short one only
             rest = np.array([(lag, error) for lag, error, _ in _lags(_delayed(data, common))])
-            if not len(rest):
-                break
+            if not len(rest):  # so late that too little of the motion is left to tell
+                return {}
             more, own = _mean(*rest.T)
             common = max(common + more, 0.0)
             if abs(more) < own:
@@ -210,14 +210,14 @@ def _lag_of_axis(data: Measurement, i: int, slope: np.ndarray) -> tuple[float, f
     could do; None where too few samples are left.
     """
     use = ~_near_reversal(data, LAG_REVERSAL)[:, i] & ~data.is_undecided[:, i] & data.is_motion
+    if use.sum() < LAG_ROWS:
+        return None
     direction, v, f = data.direction[:, i], data.v[:, i], data.nominal[:, i]
     beside = [np.ones(len(v)), direction, v, np.abs(f) * direction, data.q[:, i], f, data.acceleration[:, i]]
     if data.sensitivity is not None:
         beside += [*(data.sensitivity[:, i, :] * data.direction).T, *data.sensitivity[:, i, :].T]
     x = np.column_stack([-slope, *beside])[use]
     y = (data.force - data.nominal)[use, i]
-    if len(y) < LAG_ROWS:
-        return None
     x = x / np.maximum(np.linalg.norm(x, axis=0), TINY) * np.sqrt(len(y))
     for _ in range(2):  # once more without gross errors
         theta = np.linalg.lstsq(x, y, rcond=1e-8)[0]

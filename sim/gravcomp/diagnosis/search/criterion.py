@@ -5,6 +5,7 @@ count as independent. A price stands for the number of terms that were tried. Wh
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -60,7 +61,7 @@ class Criterion:
         for j, other in enumerate(self.terms):
             if self._whole[j] == self._whole[k] and other.labels == labels:
                 return j
-        self.terms.append(Term(term.candidate, labels, term.shape, term.limits))
+        self.terms.append(replace(term, labels=labels))
         self.place.append(np.array([self.place[k][term.labels.index(label)] for label in labels]))
         self._whole.append(self._whole[k])
         return len(self.terms) - 1

@@ -11,13 +11,14 @@ from gravcomp.diagnosis.thresholds import (
     LINE_MIN_CYCLES,
     LINE_ODDS,
     LINE_RESOLUTION,
+    LINE_STEPS,
     LINE_TREND,
     MAX_LINES,
     MAX_ORDER,
+    ORDERS_APART,
     STEP_EDGE,
     TINY,
     TURN_RESOLUTION,
-    WHOLE_TURN,
 )
 
 
@@ -92,8 +93,16 @@ def _wave(x, r, trends, frequency):
 
 
 def _refine(x, r, trends, frequency, step):
-    grid = frequency + step * np.linspace(-1.0, 1.0, 21)
-    return float(grid[np.argmax([np.sum(_wave(x, r, trends, g) ** 2) for g in grid])])
+    """The frequency of the wave that takes most off r near a peak of the power: as a trend takes the more the fewer
+    cycles there are, such a peak lies too high, by more than a step.
+    """
+    around = step * np.linspace(-1.0, 1.0, 21)
+    for _ in range(LINE_STEPS):
+        best = int(np.argmax([np.sum(_wave(x, r, trends, g) ** 2) for g in frequency + around]))
+        frequency = float(frequency + around[best])
+        if 0 < best < len(around) - 1:
+            break
+    return frequency
 
 
 def pitch_of(
@@ -101,14 +110,15 @@ def pitch_of(
 ) -> tuple[float, tuple[int, ...]] | None:
     """Pitch and harmonics that explain the lines: a full turn where the lines are whole orders of it, else the largest
     fundamental of which the strong lines are multiples within the resolution of a scan, LINE_RESOLUTION/span; the
-    strongest line at least, which is one of the first ``divisors`` harmonics.
+    strongest line at least, which is one of the first ``divisors`` harmonics. Harmonics of one pitch are so far apart
+    that they can be told from one another: any two lines are near to two of a pitch that is long enough.
     """
     if not lines:
         return None
     f, power = np.array(lines).T
     resolution = LINE_RESOLUTION / span
-    bases = [f[0] / m for m in range(1, divisors + 1)]
-    if turn is not None and span > WHOLE_TURN * turn:
+    bases = [f[0] / m for m in range(1, divisors + 1) if m == 1 or span * f[0] / m > ORDERS_APART]
+    if turn is not None and span / turn > ORDERS_APART:
         bases = [1.0 / turn]
         resolution = TURN_RESOLUTION / span
 

@@ -73,20 +73,32 @@ def _named(criterion: Criterion, allowed) -> Members:
 def _beaten(criterion: Criterion, effects: Members) -> set[tuple[str, int]]:
     """Names and axes on which, in the place of the name, a single correction of that axis clearly shows more evidence.
 
-    Only a name with as many coefficients on the axis as a table is asked: few coefficients are what speaks for a name.
+    Only a name with as many coefficients on the axis as a table is asked, and names together that follow the same
+    position there: few coefficients are what speaks for a name, and what several have together is as free as a table.
     """
     out, own = set(), criterion.score(effects)
-    for k in sorted(effects):
-        labels = criterion.terms[k].labels
-        for axis, size in Counter(label.axis for label in labels).items():
-            if size < AS_A_TABLE or axis is None:
-                continue
-            rest = frozenset(_without(criterion, effects, {(criterion.terms[k].name, axis)}))
-            there = [j for j in criterion.corrections if criterion.terms[j].candidate.axis == axis]
-            others = additions(criterion, rest, there)
-            if min(map(criterion.score, others), default=own) < own - TIE:
-                out.add((criterion.terms[k].name, axis))
+    for names in _as_a_table(criterion, effects):
+        rest = frozenset(_without(criterion, effects, names))
+        (axis,) = {axis for _, axis in names}
+        there = [j for j in criterion.corrections if criterion.terms[j].candidate.axis == axis]
+        others = additions(criterion, rest, there)
+        if min(map(criterion.score, others), default=own) < own - TIE:
+            out |= names
     return out
+
+
+def _as_a_table(criterion: Criterion, effects: Members) -> list[set[tuple[str, int]]]:
+    """Names on an axis, alone or as all that follow its position, with as many coefficients there as a table."""
+    alone, together, size = [], {}, Counter()
+    for k in sorted(effects):
+        term = criterion.terms[k]
+        for axis, own in Counter(label.axis for label in term.labels if label.axis is not None).items():
+            if own >= AS_A_TABLE:
+                alone.append({(term.name, axis)})
+            if term.candidate.is_of_own_position:
+                together.setdefault(axis, set()).add((term.name, axis))
+                size[axis] += own
+    return alone + [names for axis, names in together.items() if len(names) > 1 and size[axis] >= AS_A_TABLE]
 
 
 def _without(criterion: Criterion, terms, beaten: set[tuple[str, int]]) -> list[int]:

@@ -23,7 +23,7 @@ def confirmed(
         return effects, corrections
     weight = (~data.is_undecided[rows] & ~left_out) / np.maximum(noise, TINY)
     sizes = [len(term.labels) for term in terms]
-    x = np.concatenate([_columns(data, rows, term) for term in terms], axis=-1) * weight[..., None]
+    x = np.concatenate([term.columns(data)[rows] for term in terms], axis=-1) * weight[..., None]
     y = residual[rows] * weight
     x = x / np.maximum(np.sqrt(np.mean(x**2, axis=(0, 1))), TINY)
     place = np.split(np.arange(x.shape[-1]), np.cumsum(sizes)[:-1])
@@ -57,8 +57,3 @@ def _upheld(error, candidates, beside) -> list[int]:
             break
         kept.remove(worst)
     return kept
-
-
-def _columns(data: Measurement, rows: np.ndarray, term: Term) -> np.ndarray:
-    columns = term.candidate.columns(data, term.shape)
-    return np.stack([columns[label][rows] for label in term.labels], axis=-1)
