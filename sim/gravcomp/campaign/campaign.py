@@ -6,8 +6,8 @@
         print(step)
 
 Folder of a campaign: plan.json, what was asked for; journal.jsonl, every record that was taken; before.csv,
-held_out.csv and after.csv, measured CSVs; diagnosis/ and loop/, as diagnose and loop write them; campaign.json and
-report.html.
+held_out.csv, between.csv and after.csv, measured CSVs; next.json, the steps between; diagnosis/ and loop/, as diagnose
+and loop write them; campaign.json and report.html.
 """
 
 import json
@@ -17,8 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from gravcomp.campaign.between import next_steps, read_next, write_next
 from gravcomp.campaign.figures import efforts, figures, noise
-from gravcomp.campaign.journal import AFTER, BEFORE, Journal, measured
+from gravcomp.campaign.journal import AFTER, BEFORE, BETWEEN, Journal, measured
 from gravcomp.campaign.measuring import Sitting
 from gravcomp.campaign.report import report_page
 from gravcomp.campaign.route import HOLD, Step, route
@@ -34,10 +35,13 @@ from gravcomp.driver.moving import Mover
 from gravcomp.errors import InputError
 from gravcomp.files import check_folder, write_all_atomically, write_atomically
 from gravcomp.logs.csv_reader import read_measurement
+from gravcomp.logs.joining import joined
+from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.loop import close_loop, loop_errors, weights_folder
 from gravcomp.robot.machine import Machine, load_machine
 
-PLAN, JOURNAL, RESULT, PAGE = "plan.json", "journal.jsonl", "campaign.json", "report.html"
+PLAN, NEXT, JOURNAL, RESULT, PAGE = "plan.json", "next.json", "journal.jsonl", "campaign.json", "report.html"
+LONGEST_S = 300.0  # of a step between: a limit of zero would take for ever
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,7 @@ class Campaign:
         self.steps = route(self.machine, plan.poses, plan.legs, plan.seed)
         self._claim(resume)
         self.journal = Journal(out / JOURNAL)
+        self.between_steps, self.why_between = read_next(out / NEXT)
         self.held_out = {number for number, step in enumerate(self.steps) if step.is_held_out}
 
     def _claim(self, resume: bool) -> None:
@@ -99,7 +104,11 @@ class Campaign:
     def steps_left(self) -> int:
         """Steps still to be measured, if something is found."""
         left = set(range(len(self.steps))) - self.journal.done(BEFORE)
-        return len(left) + len(self.held_out - self.journal.done(AFTER))
+        return len(left) + self.between_left() + len(self.held_out - self.journal.done(AFTER))
+
+    def between_left(self) -> int:
+        """Steps of the measurement between still to be measured."""
+        return len(set(range(len(self.between_steps))) - self.journal.done(BETWEEN))
 
     def home(self) -> Iterator[State]:
         """Arm homing if an axis is not referenced; the state, again and again, until all are: moved by hand."""
@@ -120,11 +129,32 @@ class Campaign:
         """
         self._write_logs()
         model = Model(self.machine)
-        data = read_measurement(self.out / "before.csv", self.machine, {})
-        found = diagnose(data, model, self.plan.seed)
+        found = diagnose(self._log(), model, self.plan.seed)
         grown, content = write_report(found, model, self.out / "diagnosis")
         why = self._place(found, grown)
         return {**content, "loads": not why, "why": why}
+
+    def _log(self) -> Measurement:
+        """What was measured, but the steps that are held out; with what came between, once that is whole."""
+        first = read_measurement(self.out / "before.csv", self.machine, {})
+        if not self.between_steps or self.between_left():
+            return first
+        return joined(first, read_measurement(self.out / "between.csv", self.machine, {}))
+
+    def plan_between(self, found: dict) -> int:
+        """Plan, once in a campaign, what tells the alternatives of what was found apart; the number of steps that it
+        still takes. 0: there are none, no measurement would help, or they are measured already.
+        """
+        if found["alternatives"] and not (self.out / NEXT).exists():
+            report = self.out / "diagnosis" / "report.json"
+            steps, self.why_between = next_steps(self.machine, self._log(), report, self.mover.duration_s)
+            self.between_steps = [step for step in steps if step.seconds < LONGEST_S]
+            write_next(self.out / NEXT, self.between_steps, self.why_between)
+        return self.between_left()
+
+    def between(self) -> Iterator[Step]:
+        """Measure what was planned between; each step when it is. ``find`` takes it in, once all are."""
+        yield from self._sitting().measure(BETWEEN, dict(enumerate(self.between_steps)), lambda: None)
 
     def _place(self, found: Diagnosis, grown: Model) -> str:
         """Close the loop in files; why nothing is to be loaded, if so."""
@@ -163,7 +193,8 @@ class Campaign:
 
     def _write_logs(self) -> None:
         known = set(range(len(self.steps))) - self.held_out
-        parts = {"before": (BEFORE, known), "held_out": (BEFORE, self.held_out), "after": (AFTER, self.held_out)}
+        parts = {"before": (BEFORE, known), "held_out": (BEFORE, self.held_out), "after": (AFTER, self.held_out),
+                 "between": (BETWEEN, range(len(self.between_steps)))}  # fmt: skip
         logs = {name: self.journal.of(*part) for name, part in parts.items()}
         texts = {self.out / f"{name}.csv": measured(entries, self.machine, self.mover.tick_s)
                  for name, entries in logs.items() if entries}  # fmt: skip
@@ -182,6 +213,7 @@ class Campaign:
             "plan": asdict(self.plan),
             "poses": sum(step.kind == HOLD for step in self.steps),
             "held_out": len(self.held_out),
+            "between": {"steps": len(self.between_steps), "why": self.why_between} if self.why_between else None,
             "noise": noise(every, self.machine),
             "network": self._network_error(),
             "found": {name: found[name] for name in ("found", "verdict", "effects", "alternatives", "drivers", "next")},

@@ -12,7 +12,7 @@ from gravcomp.files import write_atomically
 from gravcomp.logs.records import Records, measured_csv, records_of
 from gravcomp.robot.machine import Machine
 
-BEFORE, AFTER = "before", "after"
+BEFORE, BETWEEN, AFTER = "before", "between", "after"
 _PAUSE_TICKS = 1000  # between two sittings, of which nobody knows how far they are apart
 
 

@@ -58,11 +58,11 @@ class Sitting:
             self._states.close()
 
     def _hold(self, step: Step) -> tuple[list[list[int]], np.ndarray]:
-        """Records of a pose from both sides, and their approach velocities."""
+        """Records of a pose from the ends of its approaches, and their approach velocities."""
         words, velocities = [], []
         for end in step.ends:
             self._go(end, 0.0)
-            seconds = self._slowly(end, step.pose)
+            seconds = step.seconds or self._slowly(end, step.pose)
             self._go(step.pose, seconds)
             self._see(self.mover.hold(self._states, _SETTLING_S))
             words += self._records(1 + RECORDS_OF_HOLD)[1:]
@@ -77,7 +77,7 @@ class Sitting:
         words, velocities = [], []
         for start, end in (step.ends, step.ends[::-1]):
             self.mover.taken()
-            self._go(end, self._slowly(start, end))
+            self._go(end, step.seconds or self._slowly(start, end))
             taken = self.mover.taken()
             own, records = self._split(taken), records_of(taken, self.machine.n_axes)
             moving = slice(_AT_REST, len(own) - _AT_REST)

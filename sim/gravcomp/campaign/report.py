@@ -28,7 +28,9 @@ def outcome(content: dict) -> str:
 def text(content: dict) -> str:
     """The result for the terminal."""
     unit = content["unit"]
-    lines = [content["found"]["found"], outcome(content),
+    between = content["between"]
+    told = [f"measured in between, {between['steps']} steps: {between['why']}"] if between else []
+    lines = [content["found"]["found"], *told, outcome(content),
              f"effort of the servo, what the feed-forward did not know, on {content['held_out']} held-out steps:",
              f"{'':16}{'RMS ' + unit:>10}{'max ' + unit:>10}{'ave %':>8}{'max %':>8}"]  # fmt: skip
     for name, phase, e in rows(content):

@@ -24,6 +24,7 @@ class Step:
     """One place to hold, between the ends of its approaches, or one leg. counts per axis.
 
     ends: of the approaches, from which the robot comes to the pose, or of the leg, which it goes there and back.
+    seconds: of an approach, or of a way of the leg; None: slowly, as the campaign does.
     """
 
     kind: str
@@ -31,6 +32,7 @@ class Step:
     pose: tuple[int, ...]
     ends: tuple[tuple[int, ...], tuple[int, ...]]
     is_held_out: bool
+    seconds: float | None = None
 
 
 def route(machine: Machine, n_holds: int, n_legs: int, seed: int) -> list[Step]:

@@ -2,9 +2,10 @@
 
 For a core that moves (motion_g) behind a serial port. Homes by hand where an axis has not passed its index, holds poses
 spread over the workspace, each approached from both sides, and moves slowly there and back, all under the core's servo;
-its recorder measures. What the diagnosis finds, and the hardware can hold, is loaded while the robot is held, and the
-held-out poses and motions are measured again. Ends with a table, campaign.json and report.html in the folder of --out.
-Whatever stops it, the brakes are engaged and what was measured is kept: --resume goes on.
+its recorder measures. Where the diagnosis ends in alternatives, the measurement that tells them apart comes in between.
+What it finds, and the hardware can hold, is loaded while the robot is held, and the held-out poses and motions are
+measured again. Ends with a table, campaign.json and report.html in the folder of --out. Whatever stops it, the brakes
+are engaged and what was measured is kept: --resume goes on.
 """
 
 import contextlib
@@ -108,6 +109,14 @@ def _measure(campaign, home, on_the_line) -> dict:
                 bar.update()
         bar.set_description("diagnose")
         found = campaign.find()
+        if more := campaign.plan_between(found):
+            bar.set_description("tell apart")
+            bar.total = bar.n + more + len(campaign.held_out)
+            with on_the_line():
+                for _ in campaign.between():
+                    bar.update()
+            bar.set_description("diagnose")
+            found = campaign.find()
         bar.set_description("measure again")
         if found["loads"]:
             with on_the_line():

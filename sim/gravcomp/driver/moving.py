@@ -23,7 +23,7 @@ from gravcomp.logs.records import Records, records_of
 from gravcomp.robot.machine import load_machine
 from gravcomp.twin.recorder import Mode
 from gravcomp.twin.servo import gains_of
-from gravcomp.twin.setpoint import ACCELERATION_FRACTION, SPEED_FRACTION
+from gravcomp.twin.setpoint import ACCELERATION_FRACTION, SPEED_FRACTION, rate_of, ticks_of
 
 # Exchanges from one kick to the next are those of Board.hold; records are taken in as many frames as fit between two.
 RECORDS_AT_ONCE = 6
@@ -126,6 +126,13 @@ class Mover:
         if state.refused:
             raise InputError(f"{self.board.bus.line}: speed or acceleration of an axis are too small for the move to "
                              f"{_listed(target)}; raise speed_counts_per_s or acceleration_counts_per_s2")  # fmt: skip
+
+    def duration_s(self, start: Sequence[int], target: Sequence[int], seconds: float) -> float:
+        """What the core makes of a move in so many seconds: longer where a limit of an axis needs it. Infinite where
+        none keeps them."""
+        spans, gains = [b - a for a, b in zip(start, target, strict=True)], self.gains
+        rate = rate_of(round(seconds / self.tick_s), spans, gains.speed_max, gains.acceleration_max)
+        return ticks_of(rate) * self.tick_s if rate else math.inf
 
     def _motion_state(self) -> MotionState:
         self.board.host.kick()
