@@ -6,7 +6,7 @@ from gravcomp.robot.machine import Machine, load_machine
 
 WEIGHTS = Path(__file__).resolve().parents[1] / "weights"
 # Shipped machines that a file describes.
-SHIPPED_MECHANISMS = ("slide", "arm2", "ur5", "so101", "fivebar")
+SHIPPED_MECHANISMS = ("slide", "arm2", "ur5", "so101", "panda", "fivebar")
 
 
 def mechanism_toml(joints: dict[str, str], file: str = "robot.xml", model: str = "", kind: str = "mujoco") -> str:

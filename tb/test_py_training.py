@@ -282,6 +282,15 @@ def test_a_larger_network_is_searched_as_long_as_a_small_one():
     assert cost_of(large, 40 * 14 + 1) < 2.5 * cost_of(small, 101)
 
 
+def test_a_network_for_which_a_hop_is_too_long_is_drawn_twice_and_polished():
+    """One hop, 40 and 100 steps on the poses of the search, against all the time of the usual one."""
+    seven = effort_of_size(128, 6, 7)
+    steps = lambda effort, columns: effort.search_poses * columns**2  # noqa: E731
+    usual = Effort()
+    assert steps(seven, 128 * 8 + 1) > usual.hops * steps(usual, 101)
+    assert (seven.draws, seven.tied_hops, seven.hops) == (2, 0, 0)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

@@ -17,7 +17,7 @@ from support.core import check_core
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "lanes"), [("fivebar", 4), ("arm2", 3), ("ur5", 8)])
+@pytest.mark.parametrize(("name", "lanes"), [("fivebar", 4), ("arm2", 3), ("ur5", 8), ("panda", 8)])
 def test_core_of_a_shipped_machine_equals_its_model(name, lanes, tmp_path):
     """Of the others, and of lanes that divide the neurons, see test_rtl_axes.py."""
     weights = ROOT / "weights" / name

@@ -30,7 +30,7 @@ from gravcomp.training.waves import waves_of
 RIDGE = 1e-9
 N_TEST_POSES = 8000
 _POLISH_STALL = 1e-5
-_BASE_COLUMNS, _FEWEST = 101, 2  # of 3-20-3; draws and hops at least
+_BASE_COLUMNS, _FEWEST_DRAWS = 101, 2  # of 3-20-3
 _FEWEST_POSES, _POSES_PER_PARAMETER = 3500, 4
 
 
@@ -63,15 +63,16 @@ class Effort:
 def effort_of_size(n_hidden: int, n_inputs: int, n_outputs: int, part: float = 1.0) -> Effort:
     """As much time whatever the size: a larger network needs more poses and gets fewer draws and hops.
 
-    part: of that time. A step costs poses times the square of the Jacobian's columns.
+    part: of that time. A step costs poses times the square of the Jacobian's columns. A network too large for a hop in
+    its share of that time gets none: what a hop costs there is better spent on the polish.
     """
     base, columns = Effort(), n_hidden * (n_inputs + 2) + 1
     poses = max(base.search_poses, 2 * n_parameters(n_hidden, n_inputs, n_outputs))
     share = part * min(1.0, _BASE_COLUMNS**2 * base.search_poses / (columns**2 * poses))
-    draws, tied_hops, hops = (max(min(_FEWEST, n), round(share * n)) for n in (base.draws, base.tied_hops, base.hops))
     if share == 1.0:
         return base
-    return replace(base, draws=draws, tied_hops=tied_hops, hops=hops, search_poses=poses)
+    draws, tied_hops, hops = (round(share * n) for n in (base.draws, base.tied_hops, base.hops))
+    return replace(base, draws=max(_FEWEST_DRAWS, draws), tied_hops=tied_hops, hops=hops, search_poses=poses)
 
 
 def n_felt_inputs(machine: Machine) -> int:
