@@ -39,6 +39,7 @@ from gravcomp.logs.joining import joined
 from gravcomp.logs.measurement import Measurement
 from gravcomp.loop.loop import close_loop, loop_errors, weights_folder
 from gravcomp.robot.machine import Machine, load_machine
+from gravcomp.robot.orientation import positions_at
 
 PLAN, NEXT, JOURNAL, RESULT, PAGE = "plan.json", "next.json", "journal.jsonl", "campaign.json", "report.html"
 LONGEST_S = 300.0  # of a step between: a limit of zero would take for ever
@@ -47,12 +48,13 @@ LONGEST_S = 300.0  # of a step between: a limit of zero would take for ever
 @dataclass(frozen=True)
 class Plan:
     """What is asked for: poses to hold, legs of slow motion, seed of where they are, ranges per second of the slow
-    motion of the fastest axis."""
+    motion of the fastest axis. orientations: deg, of the poses to hold, in this order, instead of drawn ones."""
 
     poses: int = 60
     legs: int = 8
     seed: int = 0
     speed: float = 0.025
+    orientations: tuple[tuple[float, ...], ...] = ()
 
 
 class Campaign:
@@ -79,15 +81,22 @@ class Campaign:
         self.board, self.robot, self.limits, self.out, self.plan, self.check = board, robot, limits, out, plan, check
         self.machine: Machine = load_machine(robot)
         self.mover = Mover(board, limits, gains)
-        self.steps = route(self.machine, plan.poses, plan.legs, plan.seed)
+        self.steps = route(self.machine, plan.poses, plan.legs, plan.seed, self._given_poses())
         self._claim(resume)
         self.journal = Journal(out / JOURNAL)
         self.between_steps, self.why_between = read_next(out / NEXT)
         self.held_out = {number for number, step in enumerate(self.steps) if step.is_held_out}
 
+    def _given_poses(self) -> np.ndarray | None:
+        """m or rad (n, k); None: to be drawn."""
+        if not self.plan.orientations:
+            return None
+        return positions_at(self.machine, np.array(self.plan.orientations), "orientations")
+
     def _claim(self, resume: bool) -> None:
         """Write the plan into the folder, or see that it is the one that stands there."""
         asked = {**asdict(self.plan), "machine": self.machine.name, "hash": folder_hash(self.robot, self.machine)}
+        asked["orientations"] = [list(angles) for angles in self.plan.orientations]  # as JSON reads it back
         path = self.out / PLAN
         if not path.exists():
             if resume:
@@ -97,7 +106,7 @@ class Campaign:
             return
         if not resume:
             raise InputError(f"{self.out}: holds a campaign; go on with it by --resume, or give another folder")
-        if (known := _read_plan(path)) != asked:
+        if (known := {"orientations": [], **_read_plan(path)}) != asked:
             other = next(name for name in asked if known.get(name) != asked[name])
             raise InputError(f"{path}: {other} is {known.get(other)}, asked for is {asked[other]}; give what was")
 

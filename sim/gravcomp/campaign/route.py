@@ -35,15 +35,15 @@ class Step:
     seconds: float | None = None
 
 
-def route(machine: Machine, n_holds: int, n_legs: int, seed: int) -> list[Step]:
-    """Steps for a machine: holds drawn from its workspace, each next to the one before, then legs between some of them.
+def route(machine: Machine, n_holds: int, n_legs: int, seed: int, given: np.ndarray | None = None) -> list[Step]:
+    """Steps for a machine: holds drawn from its workspace, each next to the one before, then legs across it.
 
-    Raises InputError for too few of them.
+    given: poses to hold instead of drawn ones (n_holds, k), m or rad, in their order. Raises InputError for too few.
     """
     if n_holds < LEAST_HOLDS or n_legs < LEAST_LEGS:
         raise InputError(f"{n_holds} poses and {n_legs} legs: need {LEAST_HOLDS} and {LEAST_LEGS} at least")
     rng = np.random.default_rng([seed, 53])
-    poses = _tour(machine, machine.robot.workspace(n_holds, seed))
+    poses = _tour(machine, machine.robot.workspace(n_holds, seed)) if given is None else given
     low, high = (np.array([getattr(axis, name) for axis in machine.axes]) for name in ("low", "high"))
     # From both ends an approach stays within the range of its axis.
     sides = _SIDE * (high - low) * rng.uniform(*_SIDE_SPREAD, poses.shape) * rng.choice([-1, 1], poses.shape)

@@ -47,10 +47,20 @@ def add_arguments(parser):
             _add_motion(verb, name)
 
 
+class _Pose(argparse.Action):
+    """Keeps poses in the order in which they are given, whichever way: (option, numbers), the option in full."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        setattr(namespace, self.dest, [*(getattr(namespace, self.dest) or ()), (self.option_strings[0], values)])
+
+
 def _add_motion(verb, name: str) -> None:
     if name == "move":
-        verb.add_argument("--to", type=float, nargs="+", action="append", required=True, metavar="Q",
+        verb.add_argument("--to", type=float, nargs="+", action=_Pose, dest="poses", metavar="Q",
                           help="a pose, m or rad per axis; once for each pose")  # fmt: skip
+        verb.add_argument("--orientation", type=float, nargs="+", action=_Pose, dest="poses", metavar="DEG",
+                          help="a pose as orientation, deg, where the robot takes one: elevation (around the base "
+                          "circle), azimuth (size of the tilt), torsion of the Sphe.I.Ro.")  # fmt: skip
         verb.add_argument("--hold", type=float, default=1.0, help="seconds at each pose (default %(default)s)")
     text = "of each move, longer where a limit needs it" if name == "move" else "to record for"
     verb.add_argument("--seconds", type=float, default=2.0, help=f"seconds {text} (default %(default)s)")
@@ -101,6 +111,8 @@ def _check(arguments) -> None:
     seconds = getattr(arguments, "seconds", None)
     if seconds is not None and not seconds > 0:
         raise InputError(f"--seconds {seconds:g}: need more than 0")
+    if arguments.verb == "move" and not arguments.poses:
+        raise InputError("no pose to move to; give --to or --orientation, once for each")
     if not getattr(arguments, "hold", 0.0) >= 0:
         raise InputError(f"--hold {arguments.hold:g}: need 0 or more")
 
@@ -140,20 +152,20 @@ def _hold(board, arguments) -> None:
 
 
 def _move(board, arguments) -> None:
-    _go(board, arguments, arguments.to, arguments.seconds, arguments.hold)
+    _go(board, arguments, arguments.poses, arguments.seconds, arguments.hold)
 
 
 def _record(board, arguments) -> None:
     _go(board, arguments, [], 0.0, arguments.seconds)
 
 
-def _go(board, arguments, poses: list[list[float]], move_s: float, hold_s: float) -> None:
+def _go(board, arguments, poses: list[tuple[str, list[float]]], move_s: float, hold_s: float) -> None:
     from gravcomp.driver.board import load_limits
     from gravcomp.driver.moving import Mover, load_motion
 
     limits = load_limits(arguments.limits, arguments.robot)
     mover = Mover(board, limits, load_motion(arguments.limits, arguments.robot))
-    targets, units = [_counts(pose, arguments.robot) for pose in poses], _units(arguments)
+    targets, units = [_counts(*pose, arguments.robot) for pose in poses], _units(arguments)
     try:
         for state in mover.go(targets, move_s, hold_s):
             _progress(state, units)
@@ -163,16 +175,21 @@ def _go(board, arguments, poses: list[list[float]], move_s: float, hold_s: float
             _write_records(mover, arguments)
 
 
-def _counts(pose: list[float], folder: Path) -> tuple[int, ...]:
-    """Counts of a pose in m or rad."""
+def _counts(option: str, pose: list[float], folder: Path) -> tuple[int, ...]:
+    """Counts of a pose in m or rad, or of an orientation in degrees."""
     import numpy as np
 
     from gravcomp.robot.machine import load_machine
+    from gravcomp.robot.orientation import positions_at
 
-    machine = load_machine(folder)
-    if len(pose) != machine.n_axes or not np.isfinite(pose).all():
-        raise InputError(f"--to {' '.join(f'{q:g}' for q in pose)}: need a number for each of {machine.n_axes} axes")
-    return tuple(machine.drive.counts(np.array(pose)).tolist())
+    machine, where = load_machine(folder), f"{option} {' '.join(f'{q:g}' for q in pose)}"
+    if option == "--orientation":
+        q = positions_at(machine, np.array(pose), where)
+    elif len(pose) != machine.n_axes or not np.isfinite(pose).all():
+        raise InputError(f"{where}: need a number for each of {machine.n_axes} axes")
+    else:
+        q = np.array(pose)
+    return tuple(machine.drive.counts(q).tolist())
 
 
 def _progress(state, units) -> None:

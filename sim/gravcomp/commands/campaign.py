@@ -23,6 +23,9 @@ def add_arguments(parser):
     parser.add_argument("--limits", type=Path, required=True, help="TOML file of limits and gains, as for board move")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the campaign")
     parser.add_argument("--resume", action="store_true", help="go on with the campaign in that folder")
+    parser.add_argument("--orientations", type=Path, metavar="CSV",
+                        help="poses to hold instead of drawn ones, where the robot takes orientations: "
+                        "elevation_deg,azimuth_deg,torsion_deg of the Sphe.I.Ro.")  # fmt: skip
     add_plan(parser)
     add_line(parser)
 
@@ -45,13 +48,26 @@ def plan_of(arguments):
     return Plan(arguments.poses, arguments.legs, arguments.seed, arguments.speed)
 
 
+def _at_orientations(plan, arguments):
+    """The plan, with the poses of a file instead of drawn ones if there is one. Raises InputError."""
+    from dataclasses import replace
+
+    from gravcomp.robot.machine import load_machine
+    from gravcomp.robot.orientation import read_orientations
+
+    if arguments.orientations is None:
+        return plan
+    angles = read_orientations(arguments.orientations, load_machine(arguments.robot)).tolist()
+    return replace(plan, poses=len(angles), orientations=tuple(map(tuple, angles)))
+
+
 def run(arguments):
     from gravcomp.campaign.campaign import Campaign
     from gravcomp.driver.board import Board, load_limits
     from gravcomp.driver.interrupts import interrupts
     from gravcomp.driver.moving import load_motion
 
-    plan, line = plan_of(arguments), line_of(arguments)
+    plan, line = _at_orientations(plan_of(arguments), arguments), line_of(arguments)
     limits = load_limits(arguments.limits, arguments.robot)
     gains = load_motion(arguments.limits, arguments.robot)
     is_interrupted = None

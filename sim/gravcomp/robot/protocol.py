@@ -101,6 +101,20 @@ class HasBoundary(Protocol):
 
 
 @runtime_checkable
+class TakesOrientations(Protocol):
+    """Is told where to go as the orientation of its last body, too."""
+
+    @property
+    def orientation_names(self) -> tuple[str, ...]:
+        """Of the angles, in their order."""
+        ...
+
+    def at_orientation(self, angles_rad: np.ndarray) -> np.ndarray:
+        """Positions (..., n) at angles (..., k). Raises PoseError outside the workspace."""
+        ...
+
+
+@runtime_checkable
 class TurnsGravity(Protocol):
     """Can tell what it holds when gravity has another direction: its base is not level."""
 

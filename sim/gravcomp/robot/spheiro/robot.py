@@ -7,7 +7,7 @@ import numpy as np
 
 from gravcomp.errors import InputError
 from gravcomp.robot.machine import Machine
-from gravcomp.robot.protocol import Bounds, Formula
+from gravcomp.robot.protocol import Bounds, Formula, PoseError
 from gravcomp.robot.spheiro.kinematics import (
     HOME_AXES,
     direct_kinematics,
@@ -24,6 +24,7 @@ from gravcomp.robot.spheiro.workspace import pose, sample_boundary, sample_works
 # Bounds come from a grid and are rounded outward to these; a bound between
 # two grid points is less than 0.01 mm and 0.05 N beyond them.
 _Q_STEP_M, _F_STEP_N = 1e-3, 1.0
+_ROUNDING_DEG = 1e-9  # of an angle that was given in degrees
 _GRID = (361, 15, 41)  # azimuth, tilt, torsion; their corners included
 
 
@@ -36,6 +37,8 @@ class Spheiro:
     n_axes = 3
     position_units = ("m",) * 3
     passive_units = ("m",) * 3 + ("rad",) * 3  # b_1..3, then phi_1..3
+    # The paper's alpha, beta and gamma: direction of the tilt around the base circle, size of the tilt, torsion.
+    orientation_names = ("elevation", "azimuth", "torsion")
 
     def forces(self, q: np.ndarray) -> np.ndarray:
         """Forces (..., 3), N, at q (..., 3), m. Raises PoseError outside the joint space."""
@@ -48,6 +51,21 @@ class Spheiro:
     def boundary(self, n_poses: int, seed: int) -> np.ndarray:
         """Positions (n_poses, 3), m, of poses with the largest tilt or torsion."""
         return inverse_kinematics(sample_boundary(n_poses, self.parameters, seed), self.parameters)
+
+    def at_orientation(self, angles_rad: np.ndarray) -> np.ndarray:
+        """Positions (..., 3), m, at elevation, azimuth and torsion (..., 3), rad: what `pose` calls azimuth, tilt and
+        torsion. Raises PoseError outside the workspace.
+        """
+        p, angles = self.parameters, np.asarray(angles_rad, dtype=float)
+        tilt, torsion = np.rad2deg(angles[..., 1]), np.abs(np.rad2deg(angles[..., 2]))
+        largest = np.maximum(tilt - p.tilt_max_deg, torsion - p.torsion_max_deg)
+        is_inside = np.isfinite(angles).all(axis=-1) & (np.maximum(largest, -tilt) <= _ROUNDING_DEG)
+        if bad := np.flatnonzero(~np.atleast_1d(is_inside)).tolist():
+            mend = (
+                f"an azimuth from 0 to {p.tilt_max_deg:g}, a torsion of {p.torsion_max_deg:g} deg at most, either way"
+            )
+            raise PoseError(f"pose {bad[0] + 1} is outside the workspace; give {mend}", bad[0])
+        return inverse_kinematics(pose(*np.moveaxis(angles, -1, 0)), p)
 
     @cached_property
     def bounds(self) -> Bounds:
