@@ -3,6 +3,7 @@
 WEIGHTS ?= weights/spheiro
 BOARD ?= list
 DATA ?= data/prototype.csv
+HIDDEN ?= 20
 RUN := .venv/bin
 LAB := $(RUN)/python -m gravcomp_lab
 # BLAS keeps to one thread: the matrices are small, and -n auto takes all cores.
@@ -62,8 +63,8 @@ test-simulators: setup ## the tests of the RTL on other simulators: Debian 13's 
 	@scripts/setup.sh ghdl-llvm || echo "test-simulators: ghdl-llvm cannot be installed here" >&2
 	@scripts/test_simulators.sh -q $(PARALLEL) $(if $(TESTS),$(TESTS),tb/test_rtl_*.py)
 
-train: setup ## train the network of the machine in WEIGHTS anew; write it there, and its ROM
-	@$(RUN)/gravcomp train --robot "$(WEIGHTS)" --out "$(WEIGHTS)"
+train: setup ## train the network of the machine in WEIGHTS anew, of HIDDEN neurons; write it there, and its ROM
+	@$(RUN)/gravcomp train --robot "$(WEIGHTS)" --hidden "$(HIDDEN)" --out "$(WEIGHTS)"
 	@$(RUN)/gravcomp rom --weights "$(WEIGHTS)"
 
 table1: setup ## the paper's Table 1, trained here, beside the paper's figures

@@ -66,6 +66,7 @@ BAD = {
     "comments alone": ("# nothing\n\n", "row 1: no header line"),
     "no header": ("\n".join(map(",".join, ROWS)), "row 1: column t_s is missing in the header; add the time"),
     "time backwards": (cell(6, "t_s", "1"), "row 6, column t_s: time runs backwards; sort the rows"),
+    "all rows alike": (text(rows=[ROWS[0]] * 40), "all 40 rows are alike; log holds at several poses"),
     "column twice": (renamed(q2_m="q1_m"), "row 1: column 'q1_m' appears twice; keep one"),
     "two units of one axis": (renamed(q2_m="q1_rad"), "row 1: column q1_rad: axis 1 has two columns of this kind"),
     "axis left out": (renamed(q3_m="q4_m"), "row 1: column q3_m is missing in the header; axes are 1..3"),

@@ -31,6 +31,16 @@ def test_loop_takes_log_and_folders_with_spaces():
     assert call[call.index("--save") + 1] == "weights/my own"
 
 
+@pytest.mark.parametrize("makefile", [ROOT / "Makefile", ROOT / "sim/gravcomp/project/Makefile"])
+@pytest.mark.parametrize(("given", "neurons"), [([], "20"), (["HIDDEN=128"], "128")])
+def test_train_takes_the_number_of_neurons(makefile, given, neurons):
+    call = ["make", "-n", "-C", str(ROOT), "-f", str(makefile), "train", *given]
+    text = subprocess.run(call, capture_output=True, text=True, check=True).stdout
+    (train,) = (line for line in text.splitlines() if "train --robot" in line)
+    words = shlex.split(train)
+    assert words[words.index("--hidden") + 1] == neurons
+
+
 def test_loop_without_a_folder_to_keep_asks_for_none():
     (call,) = (call for call in commands("loop") if "loop" in call)
     assert "--save" not in call

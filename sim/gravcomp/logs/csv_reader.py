@@ -245,6 +245,9 @@ def _suffix(name: str) -> str:
 
 def _time(log: _Log) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Seconds, (n,), the run of each row, and lines on epochs and restarts."""
+    table = log.table.to_numpy()
+    if (table == table[0]).all():
+        raise InputError(f"{log.path}: all {len(table)} rows are alike; log holds at several poses, or a motion")
     t_s, notes = clock.since_start(log.table["t_s"].to_numpy())
     run = clock.runs(t_s)
     if run is None:
