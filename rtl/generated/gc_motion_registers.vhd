@@ -453,7 +453,7 @@ architecture rtl of gc_motion_registers is
     ----------------------------------------------------------------------------
     -- Readback Signals
     ----------------------------------------------------------------------------
-    signal rd_mux_addr : unsigned(11 downto 0);
+    signal read_select : std_logic_vector(1023 downto 0) := (0 => '1', others => '0');
     signal readback_err : std_logic;
     signal readback_done : std_logic;
     signal readback_data : std_logic_vector(31 downto 0);
@@ -774,7 +774,7 @@ begin
         next_c := field_storage.move_ticks.value.value;
         load_next_c := '0';
         if decoded_reg_strb.move_ticks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.move_ticks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.move_ticks.value.next_q <= next_c;
@@ -803,7 +803,7 @@ begin
         next_c := field_storage.servo_filter.ticks.value;
         load_next_c := '0';
         if decoded_reg_strb.servo_filter and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.servo_filter.ticks.value and not decoded_wr_biten(3 downto 0)) or (decoded_wr_data(3 downto 0) and decoded_wr_biten(3 downto 0));
+            for b in 0 to 3 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.servo_filter.ticks.next_q <= next_c;
@@ -832,7 +832,7 @@ begin
         next_c := field_storage.record_control.mode.value;
         load_next_c := '0';
         if decoded_reg_strb.record_control and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.record_control.mode.value and not decoded_wr_biten(1 downto 0)) or (decoded_wr_data(1 downto 0) and decoded_wr_biten(1 downto 0));
+            for b in 0 to 1 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.record_control.mode.next_q <= next_c;
@@ -861,7 +861,7 @@ begin
         next_c := field_storage.record_control.mean.value;
         load_next_c := '0';
         if decoded_reg_strb.record_control and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.record_control.mean.value and not decoded_wr_biten(2)) or (decoded_wr_data(2) and decoded_wr_biten(2));
+            if decoded_wr_biten(2) then next_c := decoded_wr_data(2); end if;
             load_next_c := '1';
         end if;
         field_combo.record_control.mean.next_q <= next_c;
@@ -890,7 +890,7 @@ begin
         next_c := field_storage.record_control.ticks.value;
         load_next_c := '0';
         if decoded_reg_strb.record_control and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.record_control.ticks.value and not decoded_wr_biten(7 downto 4)) or (decoded_wr_data(7 downto 4) and decoded_wr_biten(7 downto 4));
+            for b in 4 to 7 loop if decoded_wr_biten(b) then next_c(b - 4) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.record_control.ticks.next_q <= next_c;
@@ -919,7 +919,7 @@ begin
         next_c := field_storage.record_before.value.value;
         load_next_c := '0';
         if decoded_reg_strb.record_before and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.record_before.value.value and not decoded_wr_biten(15 downto 0)) or (decoded_wr_data(15 downto 0) and decoded_wr_biten(15 downto 0));
+            for b in 0 to 15 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.record_before.value.next_q <= next_c;
@@ -948,7 +948,7 @@ begin
         next_c := field_storage.record_taken.value.value;
         load_next_c := '0';
         if decoded_reg_strb.record_taken and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.record_taken.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.record_taken.value.next_q <= next_c;
@@ -978,7 +978,7 @@ begin
             next_c := field_storage.move_target(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.move_target(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.move_target(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.move_target(i0).value.next_q <= next_c;
@@ -1009,7 +1009,7 @@ begin
             next_c := field_storage.speed_max(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.speed_max(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.speed_max(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.speed_max(i0).value.next_q <= next_c;
@@ -1040,7 +1040,7 @@ begin
             next_c := field_storage.acceleration_max(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.acceleration_max(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.acceleration_max(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.acceleration_max(i0).value.next_q <= next_c;
@@ -1071,7 +1071,7 @@ begin
             next_c := field_storage.servo_proportional(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.servo_proportional(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.servo_proportional(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.servo_proportional(i0).value.next_q <= next_c;
@@ -1102,7 +1102,7 @@ begin
             next_c := field_storage.servo_integral(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.servo_integral(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.servo_integral(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.servo_integral(i0).value.next_q <= next_c;
@@ -1133,7 +1133,7 @@ begin
             next_c := field_storage.servo_derivative(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.servo_derivative(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.servo_derivative(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.servo_derivative(i0).value.next_q <= next_c;
@@ -1164,7 +1164,7 @@ begin
             next_c := field_storage.servo_limit_ua(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.servo_limit_ua(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.servo_limit_ua(i0).value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+                for b in 0 to 30 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.servo_limit_ua(i0).value.next_q <= next_c;
@@ -1195,7 +1195,7 @@ begin
             next_c := field_storage.following_max(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.following_max(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.following_max(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.following_max(i0).value.next_q <= next_c;
@@ -1225,7 +1225,7 @@ begin
         next_c := field_storage.motion_command.move.value;
         load_next_c := '0';
         if decoded_reg_strb.motion_command and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.motion_command.move.value and not decoded_wr_biten(0)) or (decoded_wr_data(0) and decoded_wr_biten(0));
+            if decoded_wr_biten(0) then next_c := decoded_wr_data(0); end if;
             load_next_c := '1';
         else -- singlepulse clears back to 0
             next_c := '0';
@@ -1280,99 +1280,113 @@ begin
     ----------------------------------------------------------------------------
     -- Readback
     ----------------------------------------------------------------------------
-    rd_mux_addr <= unsigned(decoded_addr);
+    process(clk) begin
+        if rising_edge(clk) then
+            if rst then
+                read_select <= (0 => '1', others => '0');
+            elsif s_axil_arvalid and s_axil_arready then
+                for i in read_select'range loop
+                    if unsigned(s_axil_araddr(11 downto 2)) = i then
+                        read_select(i) <= '1';
+                    else
+                        read_select(i) <= '0';
+                    end if;
+                end loop;
+            end if;
+        end if;
+    end process;
 
     process(all)
         variable readback_data_var : std_logic_vector(31 downto 0);
     begin
         readback_data_var := (others => '0');
-        if rd_mux_addr = 16#800# then
-            readback_data_var(31 downto 0) := field_storage.move_ticks.value.value;
+        if read_select((16#800#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.move_ticks.value.value;
         end if;
-        if rd_mux_addr = 16#804# then
-            readback_data_var(3 downto 0) := field_storage.servo_filter.ticks.value;
+        if read_select((16#804#) / 4) then
+            readback_data_var(3 downto 0) := readback_data_var(3 downto 0) or field_storage.servo_filter.ticks.value;
         end if;
-        if rd_mux_addr = 16#808# then
-            readback_data_var(1 downto 0) := field_storage.record_control.mode.value;
-            readback_data_var(2) := field_storage.record_control.mean.value;
-            readback_data_var(7 downto 4) := field_storage.record_control.ticks.value;
+        if read_select((16#808#) / 4) then
+            readback_data_var(1 downto 0) := readback_data_var(1 downto 0) or field_storage.record_control.mode.value;
+            readback_data_var(2) := readback_data_var(2) or field_storage.record_control.mean.value;
+            readback_data_var(7 downto 4) := readback_data_var(7 downto 4) or field_storage.record_control.ticks.value;
         end if;
-        if rd_mux_addr = 16#80C# then
-            readback_data_var(15 downto 0) := field_storage.record_before.value.value;
+        if read_select((16#80C#) / 4) then
+            readback_data_var(15 downto 0) := readback_data_var(15 downto 0) or field_storage.record_before.value.value;
         end if;
-        if rd_mux_addr = 16#810# then
-            readback_data_var(31 downto 0) := field_storage.record_taken.value.value;
-        end if;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#820# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.move_target(i0).value.value;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#840# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.speed_max(i0).value.value;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#860# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.acceleration_max(i0).value.value;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#880# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.servo_proportional(i0).value.value;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#8A0# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.servo_integral(i0).value.value;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#8C0# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.servo_derivative(i0).value.value;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#8E0# + i0 * 16#4# then
-                readback_data_var(30 downto 0) := field_storage.servo_limit_ua(i0).value.value;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#900# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.following_max(i0).value.value;
-            end if;
-        end loop;
-        if rd_mux_addr = 16#A00# then
-            readback_data_var(7 downto 0) := hwif_in.motion_status.moves.next_q;
-            readback_data_var(8) := hwif_in.motion_status.ready.next_q;
-            readback_data_var(9) := hwif_in.motion_status.refused.next_q;
-            readback_data_var(18 downto 16) := hwif_in.motion_status.following.next_q;
+        if read_select((16#810#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.record_taken.value.value;
         end if;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#A20# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.setpoint(i0).data;
+            if read_select((16#820# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.move_target(i0).value.value;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#A40# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.correction_ua(i0).data;
+            if read_select((16#840# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.speed_max(i0).value.value;
             end if;
         end loop;
-        if rd_mux_addr = 16#A80# then
-            readback_data_var(1 downto 0) := hwif_in.record_status.mode.next_q;
-            readback_data_var(2) := hwif_in.record_status.triggered.next_q;
-            readback_data_var(3) := hwif_in.record_status.done.next_q;
-            readback_data_var(12 downto 8) := hwif_in.record_status.address_bits.next_q;
+        for i0 in 0 to 2 loop
+            if read_select((16#860# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.acceleration_max(i0).value.value;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#880# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.servo_proportional(i0).value.value;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#8A0# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.servo_integral(i0).value.value;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#8C0# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.servo_derivative(i0).value.value;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#8E0# + i0 * 16#4#) / 4) then
+                readback_data_var(30 downto 0) := readback_data_var(30 downto 0) or field_storage.servo_limit_ua(i0).value.value;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#900# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.following_max(i0).value.value;
+            end if;
+        end loop;
+        if read_select((16#A00#) / 4) then
+            readback_data_var(7 downto 0) := readback_data_var(7 downto 0) or hwif_in.motion_status.moves.next_q;
+            readback_data_var(8) := readback_data_var(8) or hwif_in.motion_status.ready.next_q;
+            readback_data_var(9) := readback_data_var(9) or hwif_in.motion_status.refused.next_q;
+            readback_data_var(18 downto 16) := readback_data_var(18 downto 16) or hwif_in.motion_status.following.next_q;
         end if;
-        if rd_mux_addr = 16#A84# then
-            readback_data_var(31 downto 0) := hwif_in.record_count.value.next_q;
+        for i0 in 0 to 2 loop
+            if read_select((16#A20# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.setpoint(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#A40# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.correction_ua(i0).data;
+            end if;
+        end loop;
+        if read_select((16#A80#) / 4) then
+            readback_data_var(1 downto 0) := readback_data_var(1 downto 0) or hwif_in.record_status.mode.next_q;
+            readback_data_var(2) := readback_data_var(2) or hwif_in.record_status.triggered.next_q;
+            readback_data_var(3) := readback_data_var(3) or hwif_in.record_status.done.next_q;
+            readback_data_var(12 downto 8) := readback_data_var(12 downto 8) or hwif_in.record_status.address_bits.next_q;
         end if;
-        if rd_mux_addr = 16#A88# then
-            readback_data_var(31 downto 0) := hwif_in.record_lost.value.next_q;
+        if read_select((16#A84#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.record_count.value.next_q;
         end if;
-        if rd_mux_addr = 16#B00# then
-            readback_data_var(31 downto 0) := hwif_in.record_word.value.next_q;
+        if read_select((16#A88#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.record_lost.value.next_q;
+        end if;
+        if read_select((16#B00#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.record_word.value.next_q;
         end if;
         readback_data <= readback_data_var;
         readback_done <= decoded_req and not decoded_req_is_wr;

@@ -900,7 +900,7 @@ architecture rtl of gc_registers is
     ----------------------------------------------------------------------------
     -- Readback Signals
     ----------------------------------------------------------------------------
-    signal rd_mux_addr : unsigned(11 downto 0);
+    signal read_select : std_logic_vector(1023 downto 0) := (0 => '1', others => '0');
     signal readback_err : std_logic;
     signal readback_done : std_logic;
     signal readback_data : std_logic_vector(31 downto 0);
@@ -1341,7 +1341,7 @@ begin
         next_c := field_storage.control.enable.value;
         load_next_c := '0';
         if decoded_reg_strb.control and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.control.enable.value and not decoded_wr_biten(0)) or (decoded_wr_data(0) and decoded_wr_biten(0));
+            if decoded_wr_biten(0) then next_c := decoded_wr_data(0); end if;
             load_next_c := '1';
         end if;
         field_combo.control.enable.next_q <= next_c;
@@ -1370,7 +1370,7 @@ begin
         next_c := field_storage.control.tick_enable.value;
         load_next_c := '0';
         if decoded_reg_strb.control and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.control.tick_enable.value and not decoded_wr_biten(1)) or (decoded_wr_data(1) and decoded_wr_biten(1));
+            if decoded_wr_biten(1) then next_c := decoded_wr_data(1); end if;
             load_next_c := '1';
         end if;
         field_combo.control.tick_enable.next_q <= next_c;
@@ -1399,7 +1399,7 @@ begin
         next_c := field_storage.control.home_enable.value;
         load_next_c := '0';
         if decoded_reg_strb.control and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.control.home_enable.value and not decoded_wr_biten(6 downto 4)) or (decoded_wr_data(6 downto 4) and decoded_wr_biten(6 downto 4));
+            for b in 4 to 6 loop if decoded_wr_biten(b) then next_c(b - 4) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.control.home_enable.next_q <= next_c;
@@ -1428,7 +1428,7 @@ begin
         next_c := field_storage.command.start.value;
         load_next_c := '0';
         if decoded_reg_strb.command and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.command.start.value and not decoded_wr_biten(0)) or (decoded_wr_data(0) and decoded_wr_biten(0));
+            if decoded_wr_biten(0) then next_c := decoded_wr_data(0); end if;
             load_next_c := '1';
         else -- singlepulse clears back to 0
             next_c := '0';
@@ -1460,7 +1460,7 @@ begin
         next_c := field_storage.command.kick.value;
         load_next_c := '0';
         if decoded_reg_strb.command and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.command.kick.value and not decoded_wr_biten(1)) or (decoded_wr_data(1) and decoded_wr_biten(1));
+            if decoded_wr_biten(1) then next_c := decoded_wr_data(1); end if;
             load_next_c := '1';
         else -- singlepulse clears back to 0
             next_c := '0';
@@ -1492,7 +1492,7 @@ begin
         next_c := field_storage.command.clear_encoder.value;
         load_next_c := '0';
         if decoded_reg_strb.command and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.command.clear_encoder.value and not decoded_wr_biten(2)) or (decoded_wr_data(2) and decoded_wr_biten(2));
+            if decoded_wr_biten(2) then next_c := decoded_wr_data(2); end if;
             load_next_c := '1';
         else -- singlepulse clears back to 0
             next_c := '0';
@@ -1524,7 +1524,7 @@ begin
         next_c := field_storage.tick_clocks.value.value;
         load_next_c := '0';
         if decoded_reg_strb.tick_clocks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.tick_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.tick_clocks.value.next_q <= next_c;
@@ -1553,7 +1553,7 @@ begin
         next_c := field_storage.expected_weights.value.value;
         load_next_c := '0';
         if decoded_reg_strb.expected_weights and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.expected_weights.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.expected_weights.value.next_q <= next_c;
@@ -1582,7 +1582,7 @@ begin
         next_c := field_storage.saturation_clocks.value.value;
         load_next_c := '0';
         if decoded_reg_strb.saturation_clocks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.saturation_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.saturation_clocks.value.next_q <= next_c;
@@ -1611,7 +1611,7 @@ begin
         next_c := field_storage.watchdog_clocks.value.value;
         load_next_c := '0';
         if decoded_reg_strb.watchdog_clocks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.watchdog_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.watchdog_clocks.value.next_q <= next_c;
@@ -1640,7 +1640,7 @@ begin
         next_c := field_storage.result_clocks.value.value;
         load_next_c := '0';
         if decoded_reg_strb.result_clocks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.result_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.result_clocks.value.next_q <= next_c;
@@ -1669,7 +1669,7 @@ begin
         next_c := field_storage.brake_clocks.value.value;
         load_next_c := '0';
         if decoded_reg_strb.brake_clocks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.brake_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.brake_clocks.value.next_q <= next_c;
@@ -1698,7 +1698,7 @@ begin
         next_c := field_storage.command_clocks.value.value;
         load_next_c := '0';
         if decoded_reg_strb.command_clocks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.command_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.command_clocks.value.next_q <= next_c;
@@ -1727,7 +1727,7 @@ begin
         next_c := field_storage.hold_clocks.value.value;
         load_next_c := '0';
         if decoded_reg_strb.hold_clocks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.hold_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.hold_clocks.value.next_q <= next_c;
@@ -1756,7 +1756,7 @@ begin
         next_c := field_storage.brake_test_clocks.value.value;
         load_next_c := '0';
         if decoded_reg_strb.brake_test_clocks and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.brake_test_clocks.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.brake_test_clocks.value.next_q <= next_c;
@@ -1786,7 +1786,7 @@ begin
             next_c := field_storage.index_position(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.index_position(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.index_position(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.index_position(i0).value.next_q <= next_c;
@@ -1817,7 +1817,7 @@ begin
             next_c := field_storage.index_period(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.index_period(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.index_period(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.index_period(i0).value.next_q <= next_c;
@@ -1848,7 +1848,7 @@ begin
             next_c := field_storage.window_low(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.window_low(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.window_low(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.window_low(i0).value.next_q <= next_c;
@@ -1879,7 +1879,7 @@ begin
             next_c := field_storage.window_high(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.window_high(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.window_high(i0).value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+                for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.window_high(i0).value.next_q <= next_c;
@@ -1910,7 +1910,7 @@ begin
             next_c := field_storage.current_limit_ua(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.current_limit_ua(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.current_limit_ua(i0).value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+                for b in 0 to 30 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.current_limit_ua(i0).value.next_q <= next_c;
@@ -1941,7 +1941,7 @@ begin
             next_c := field_storage.current_slew_ua(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.current_slew_ua(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.current_slew_ua(i0).value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+                for b in 0 to 30 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.current_slew_ua(i0).value.next_q <= next_c;
@@ -1972,7 +1972,7 @@ begin
             next_c := field_storage.command_bound_ua(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.command_bound_ua(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.command_bound_ua(i0).value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+                for b in 0 to 30 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.command_bound_ua(i0).value.next_q <= next_c;
@@ -2003,7 +2003,7 @@ begin
             next_c := field_storage.period_min_clocks(i0).value.value;
             load_next_c := '0';
             if decoded_reg_strb.period_min_clocks(i0) and decoded_req_is_wr then -- SW write
-                next_c := (field_storage.period_min_clocks(i0).value.value and not decoded_wr_biten(30 downto 0)) or (decoded_wr_data(30 downto 0) and decoded_wr_biten(30 downto 0));
+                for b in 0 to 30 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
                 load_next_c := '1';
             end if;
             field_combo.period_min_clocks(i0).value.next_q <= next_c;
@@ -2033,7 +2033,7 @@ begin
         next_c := field_storage.fault.clear.value;
         load_next_c := '0';
         if decoded_reg_strb.fault and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.fault.clear.value and not decoded_wr_biten(16 downto 0)) or (decoded_wr_data(16 downto 0) and decoded_wr_biten(16 downto 0));
+            for b in 0 to 16 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         elsif hwif_in.fault.clear.hwclr then -- HW Clear
             next_c := (others => '0');
@@ -2065,7 +2065,7 @@ begin
         next_c := field_storage.interrupt_enable.result.value;
         load_next_c := '0';
         if decoded_reg_strb.interrupt_enable and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.interrupt_enable.result.value and not decoded_wr_biten(0)) or (decoded_wr_data(0) and decoded_wr_biten(0));
+            if decoded_wr_biten(0) then next_c := decoded_wr_data(0); end if;
             load_next_c := '1';
         end if;
         field_combo.interrupt_enable.result.next_q <= next_c;
@@ -2093,7 +2093,7 @@ begin
         next_c := field_storage.interrupt_enable.fault.value;
         load_next_c := '0';
         if decoded_reg_strb.interrupt_enable and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.interrupt_enable.fault.value and not decoded_wr_biten(1)) or (decoded_wr_data(1) and decoded_wr_biten(1));
+            if decoded_wr_biten(1) then next_c := decoded_wr_data(1); end if;
             load_next_c := '1';
         end if;
         field_combo.interrupt_enable.fault.next_q <= next_c;
@@ -2121,7 +2121,7 @@ begin
         next_c := field_storage.interrupt_enable.missed_tick.value;
         load_next_c := '0';
         if decoded_reg_strb.interrupt_enable and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.interrupt_enable.missed_tick.value and not decoded_wr_biten(2)) or (decoded_wr_data(2) and decoded_wr_biten(2));
+            if decoded_wr_biten(2) then next_c := decoded_wr_data(2); end if;
             load_next_c := '1';
         end if;
         field_combo.interrupt_enable.missed_tick.next_q <= next_c;
@@ -2149,7 +2149,7 @@ begin
         next_c := field_storage.interrupt_enable.core_stopped.value;
         load_next_c := '0';
         if decoded_reg_strb.interrupt_enable and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.interrupt_enable.core_stopped.value and not decoded_wr_biten(3)) or (decoded_wr_data(3) and decoded_wr_biten(3));
+            if decoded_wr_biten(3) then next_c := decoded_wr_data(3); end if;
             load_next_c := '1';
         end if;
         field_combo.interrupt_enable.core_stopped.next_q <= next_c;
@@ -2306,7 +2306,7 @@ begin
         next_c := field_storage.load_unlock.key.value;
         load_next_c := '0';
         if decoded_reg_strb.load_unlock and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.load_unlock.key.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         elsif hwif_in.load_unlock.key.hwclr then -- HW Clear
             next_c := (others => '0');
@@ -2338,7 +2338,7 @@ begin
         next_c := field_storage.load_command.begin_image.value;
         load_next_c := '0';
         if decoded_reg_strb.load_command and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.load_command.begin_image.value and not decoded_wr_biten(0)) or (decoded_wr_data(0) and decoded_wr_biten(0));
+            if decoded_wr_biten(0) then next_c := decoded_wr_data(0); end if;
             load_next_c := '1';
         else -- singlepulse clears back to 0
             next_c := '0';
@@ -2370,7 +2370,7 @@ begin
         next_c := field_storage.load_command.commit.value;
         load_next_c := '0';
         if decoded_reg_strb.load_command and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.load_command.commit.value and not decoded_wr_biten(1)) or (decoded_wr_data(1) and decoded_wr_biten(1));
+            if decoded_wr_biten(1) then next_c := decoded_wr_data(1); end if;
             load_next_c := '1';
         else -- singlepulse clears back to 0
             next_c := '0';
@@ -2402,7 +2402,7 @@ begin
         next_c := field_storage.load_command.use_rom.value;
         load_next_c := '0';
         if decoded_reg_strb.load_command and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.load_command.use_rom.value and not decoded_wr_biten(2)) or (decoded_wr_data(2) and decoded_wr_biten(2));
+            if decoded_wr_biten(2) then next_c := decoded_wr_data(2); end if;
             load_next_c := '1';
         else -- singlepulse clears back to 0
             next_c := '0';
@@ -2434,7 +2434,7 @@ begin
         next_c := field_storage.load_crc.value.value;
         load_next_c := '0';
         if decoded_reg_strb.load_crc and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.load_crc.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.load_crc.value.next_q <= next_c;
@@ -2463,7 +2463,7 @@ begin
         next_c := field_storage.load_word.value.value;
         load_next_c := '0';
         if decoded_reg_strb.load_word and decoded_req_is_wr then -- SW write
-            next_c := (field_storage.load_word.value.value and not decoded_wr_biten(31 downto 0)) or (decoded_wr_data(31 downto 0) and decoded_wr_biten(31 downto 0));
+            for b in 0 to 31 loop if decoded_wr_biten(b) then next_c(b - 0) := decoded_wr_data(b); end if; end loop;
             load_next_c := '1';
         end if;
         field_combo.load_word.value.next_q <= next_c;
@@ -2666,221 +2666,235 @@ begin
     ----------------------------------------------------------------------------
     -- Readback
     ----------------------------------------------------------------------------
-    rd_mux_addr <= unsigned(decoded_addr);
+    process(clk) begin
+        if rising_edge(clk) then
+            if rst then
+                read_select <= (0 => '1', others => '0');
+            elsif s_axil_arvalid and s_axil_arready then
+                for i in read_select'range loop
+                    if unsigned(s_axil_araddr(11 downto 2)) = i then
+                        read_select(i) <= '1';
+                    else
+                        read_select(i) <= '0';
+                    end if;
+                end loop;
+            end if;
+        end if;
+    end process;
 
     process(all)
         variable readback_data_var : std_logic_vector(31 downto 0);
     begin
         readback_data_var := (others => '0');
-        if rd_mux_addr = 16#0# then
-            readback_data_var(31 downto 0) := 32x"67636D70";
+        if read_select((16#0#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or 32x"67636D70";
         end if;
-        if rd_mux_addr = 16#4# then
-            readback_data_var(7 downto 0) := 8x"0";
-            readback_data_var(15 downto 8) := 8x"3";
-            readback_data_var(23 downto 16) := 8x"0";
+        if read_select((16#4#) / 4) then
+            readback_data_var(7 downto 0) := readback_data_var(7 downto 0) or 8x"0";
+            readback_data_var(15 downto 8) := readback_data_var(15 downto 8) or 8x"3";
+            readback_data_var(23 downto 16) := readback_data_var(23 downto 16) or 8x"0";
         end if;
-        if rd_mux_addr = 16#8# then
-            readback_data_var(7 downto 0) := hwif_in.geometry.inputs.next_q;
-            readback_data_var(15 downto 8) := hwif_in.geometry.hidden.next_q;
-            readback_data_var(22 downto 16) := hwif_in.geometry.outputs.next_q;
-            readback_data_var(23) := hwif_in.geometry.lean.next_q;
-            readback_data_var(31 downto 24) := hwif_in.geometry.lanes.next_q;
+        if read_select((16#8#) / 4) then
+            readback_data_var(7 downto 0) := readback_data_var(7 downto 0) or hwif_in.geometry.inputs.next_q;
+            readback_data_var(15 downto 8) := readback_data_var(15 downto 8) or hwif_in.geometry.hidden.next_q;
+            readback_data_var(22 downto 16) := readback_data_var(22 downto 16) or hwif_in.geometry.outputs.next_q;
+            readback_data_var(23) := readback_data_var(23) or hwif_in.geometry.lean.next_q;
+            readback_data_var(31 downto 24) := readback_data_var(31 downto 24) or hwif_in.geometry.lanes.next_q;
         end if;
-        if rd_mux_addr = 16#C# then
-            readback_data_var(31 downto 0) := hwif_in.clock_hz.value.next_q;
+        if read_select((16#C#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.clock_hz.value.next_q;
         end if;
         for i0 in 0 to 7 loop
-            if rd_mux_addr = 16#10# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := hwif_in.weights_hash(i0).value.next_q;
+            if read_select((16#10# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.weights_hash(i0).value.next_q;
             end if;
         end loop;
         for i0 in 0 to 7 loop
-            if rd_mux_addr = 16#30# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := hwif_in.compensation_hash(i0).value.next_q;
+            if read_select((16#30# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.compensation_hash(i0).value.next_q;
             end if;
         end loop;
-        if rd_mux_addr = 16#50# then
-            readback_data_var(15 downto 0) := hwif_in.encoder_geometry.filter_samples.next_q;
-            readback_data_var(16) := hwif_in.encoder_geometry.motion.next_q;
+        if read_select((16#50#) / 4) then
+            readback_data_var(15 downto 0) := readback_data_var(15 downto 0) or hwif_in.encoder_geometry.filter_samples.next_q;
+            readback_data_var(16) := readback_data_var(16) or hwif_in.encoder_geometry.motion.next_q;
         end if;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#60# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := hwif_in.trained_low(i0).value.next_q;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#80# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := hwif_in.trained_high(i0).value.next_q;
-            end if;
-        end loop;
-        if rd_mux_addr = 16#200# then
-            readback_data_var(0) := field_storage.control.enable.value;
-            readback_data_var(1) := field_storage.control.tick_enable.value;
-            readback_data_var(6 downto 4) := field_storage.control.home_enable.value;
-        end if;
-        if rd_mux_addr = 16#208# then
-            readback_data_var(31 downto 0) := field_storage.tick_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#20C# then
-            readback_data_var(31 downto 0) := field_storage.expected_weights.value.value;
-        end if;
-        if rd_mux_addr = 16#210# then
-            readback_data_var(31 downto 0) := field_storage.saturation_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#214# then
-            readback_data_var(31 downto 0) := field_storage.watchdog_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#218# then
-            readback_data_var(31 downto 0) := field_storage.result_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#21C# then
-            readback_data_var(31 downto 0) := field_storage.brake_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#220# then
-            readback_data_var(31 downto 0) := field_storage.command_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#224# then
-            readback_data_var(31 downto 0) := field_storage.hold_clocks.value.value;
-        end if;
-        if rd_mux_addr = 16#228# then
-            readback_data_var(31 downto 0) := field_storage.brake_test_clocks.value.value;
-        end if;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#240# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.index_position(i0).value.value;
+            if read_select((16#60# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.trained_low(i0).value.next_q;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#260# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.index_period(i0).value.value;
+            if read_select((16#80# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.trained_high(i0).value.next_q;
+            end if;
+        end loop;
+        if read_select((16#200#) / 4) then
+            readback_data_var(0) := readback_data_var(0) or field_storage.control.enable.value;
+            readback_data_var(1) := readback_data_var(1) or field_storage.control.tick_enable.value;
+            readback_data_var(6 downto 4) := readback_data_var(6 downto 4) or field_storage.control.home_enable.value;
+        end if;
+        if read_select((16#208#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.tick_clocks.value.value;
+        end if;
+        if read_select((16#20C#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.expected_weights.value.value;
+        end if;
+        if read_select((16#210#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.saturation_clocks.value.value;
+        end if;
+        if read_select((16#214#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.watchdog_clocks.value.value;
+        end if;
+        if read_select((16#218#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.result_clocks.value.value;
+        end if;
+        if read_select((16#21C#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.brake_clocks.value.value;
+        end if;
+        if read_select((16#220#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.command_clocks.value.value;
+        end if;
+        if read_select((16#224#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.hold_clocks.value.value;
+        end if;
+        if read_select((16#228#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.brake_test_clocks.value.value;
+        end if;
+        for i0 in 0 to 2 loop
+            if read_select((16#240# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.index_position(i0).value.value;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#280# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.window_low(i0).value.value;
+            if read_select((16#260# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.index_period(i0).value.value;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#2A0# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := field_storage.window_high(i0).value.value;
+            if read_select((16#280# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.window_low(i0).value.value;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#2C0# + i0 * 16#4# then
-                readback_data_var(30 downto 0) := field_storage.current_limit_ua(i0).value.value;
+            if read_select((16#2A0# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or field_storage.window_high(i0).value.value;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#2E0# + i0 * 16#4# then
-                readback_data_var(30 downto 0) := field_storage.current_slew_ua(i0).value.value;
+            if read_select((16#2C0# + i0 * 16#4#) / 4) then
+                readback_data_var(30 downto 0) := readback_data_var(30 downto 0) or field_storage.current_limit_ua(i0).value.value;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#300# + i0 * 16#4# then
-                readback_data_var(30 downto 0) := field_storage.command_bound_ua(i0).value.value;
+            if read_select((16#2E0# + i0 * 16#4#) / 4) then
+                readback_data_var(30 downto 0) := readback_data_var(30 downto 0) or field_storage.current_slew_ua(i0).value.value;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#320# + i0 * 16#4# then
-                readback_data_var(30 downto 0) := field_storage.period_min_clocks(i0).value.value;
-            end if;
-        end loop;
-        if rd_mux_addr = 16#400# then
-            readback_data_var(31 downto 0) := hwif_in.result_number.value.next_q;
-        end if;
-        if rd_mux_addr = 16#404# then
-            readback_data_var(31 downto 0) := rbuf_storage.missed_ticks.data;
-        end if;
-        if rd_mux_addr = 16#408# then
-            readback_data_var(31 downto 0) := rbuf_storage.status.data;
-        end if;
-        if rd_mux_addr = 16#40C# then
-            readback_data_var(31 downto 0) := rbuf_storage.result_flags.data;
-        end if;
-        if rd_mux_addr = 16#410# then
-            readback_data_var(31 downto 0) := rbuf_storage.command_flags.data;
-        end if;
-        if rd_mux_addr = 16#414# then
-            readback_data_var(31 downto 0) := rbuf_storage.encoder_flags.data;
-        end if;
-        if rd_mux_addr = 16#418# then
-            readback_data_var(31 downto 0) := rbuf_storage.speed_flags.data;
-        end if;
-        if rd_mux_addr = 16#41C# then
-            readback_data_var(31 downto 0) := rbuf_storage.cause.data;
-        end if;
-        if rd_mux_addr = 16#420# then
-            readback_data_var(31 downto 0) := rbuf_storage.fault.data;
-        end if;
-        if rd_mux_addr = 16#424# then
-            readback_data_var(31 downto 0) := rbuf_storage.first_cause.data;
-        end if;
-        if rd_mux_addr = 16#428# then
-            readback_data_var(0) := hwif_in.control_now.enable.next_q;
-            readback_data_var(1) := hwif_in.control_now.tick_enable.next_q;
-            readback_data_var(6 downto 4) := hwif_in.control_now.home_enable.next_q;
-        end if;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#440# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.position(i0).data;
+            if read_select((16#300# + i0 * 16#4#) / 4) then
+                readback_data_var(30 downto 0) := readback_data_var(30 downto 0) or field_storage.command_bound_ua(i0).value.value;
             end if;
         end loop;
         for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#460# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.speed_period(i0).data;
+            if read_select((16#320# + i0 * 16#4#) / 4) then
+                readback_data_var(30 downto 0) := readback_data_var(30 downto 0) or field_storage.period_min_clocks(i0).value.value;
             end if;
         end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#480# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.force_mn(i0).data;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#4A0# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.current_ua(i0).data;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#4C0# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.command_ua(i0).data;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#4E0# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.position_now(i0).data;
-            end if;
-        end loop;
-        for i0 in 0 to 2 loop
-            if rd_mux_addr = 16#500# + i0 * 16#4# then
-                readback_data_var(31 downto 0) := rbuf_storage.first_position(i0).data;
-            end if;
-        end loop;
-        if rd_mux_addr = 16#600# then
-            readback_data_var(0) := field_storage.interrupt_enable.result.value;
-            readback_data_var(1) := field_storage.interrupt_enable.fault.value;
-            readback_data_var(2) := field_storage.interrupt_enable.missed_tick.value;
-            readback_data_var(3) := field_storage.interrupt_enable.core_stopped.value;
+        if read_select((16#400#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.result_number.value.next_q;
         end if;
-        if rd_mux_addr = 16#604# then
-            readback_data_var(0) := field_storage.interrupt_status.result.value;
-            readback_data_var(1) := field_storage.interrupt_status.fault.value;
-            readback_data_var(2) := field_storage.interrupt_status.missed_tick.value;
-            readback_data_var(3) := field_storage.interrupt_status.core_stopped.value;
+        if read_select((16#404#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.missed_ticks.data;
         end if;
-        if rd_mux_addr = 16#614# then
-            readback_data_var(0) := hwif_in.load_status.loadable.next_q;
-            readback_data_var(1) := hwif_in.load_status.unlocked.next_q;
-            readback_data_var(2) := hwif_in.load_status.bad.next_q;
-            readback_data_var(3) := hwif_in.load_status.waiting.next_q;
-            readback_data_var(5 downto 4) := hwif_in.load_status.bank.next_q;
+        if read_select((16#408#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.status.data;
         end if;
-        if rd_mux_addr = 16#618# then
-            readback_data_var(31 downto 0) := hwif_in.bank_crc.value.next_q;
+        if read_select((16#40C#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.result_flags.data;
         end if;
-        if rd_mux_addr = 16#640# then
-            readback_data_var(0) := hwif_in.guards.core_clock.next_q;
-            readback_data_var(6 downto 4) := hwif_in.guards.feedback.next_q;
+        if read_select((16#410#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.command_flags.data;
+        end if;
+        if read_select((16#414#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.encoder_flags.data;
+        end if;
+        if read_select((16#418#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.speed_flags.data;
+        end if;
+        if read_select((16#41C#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.cause.data;
+        end if;
+        if read_select((16#420#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.fault.data;
+        end if;
+        if read_select((16#424#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.first_cause.data;
+        end if;
+        if read_select((16#428#) / 4) then
+            readback_data_var(0) := readback_data_var(0) or hwif_in.control_now.enable.next_q;
+            readback_data_var(1) := readback_data_var(1) or hwif_in.control_now.tick_enable.next_q;
+            readback_data_var(6 downto 4) := readback_data_var(6 downto 4) or hwif_in.control_now.home_enable.next_q;
+        end if;
+        for i0 in 0 to 2 loop
+            if read_select((16#440# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.position(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#460# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.speed_period(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#480# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.force_mn(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#4A0# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.current_ua(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#4C0# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.command_ua(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#4E0# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.position_now(i0).data;
+            end if;
+        end loop;
+        for i0 in 0 to 2 loop
+            if read_select((16#500# + i0 * 16#4#) / 4) then
+                readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or rbuf_storage.first_position(i0).data;
+            end if;
+        end loop;
+        if read_select((16#600#) / 4) then
+            readback_data_var(0) := readback_data_var(0) or field_storage.interrupt_enable.result.value;
+            readback_data_var(1) := readback_data_var(1) or field_storage.interrupt_enable.fault.value;
+            readback_data_var(2) := readback_data_var(2) or field_storage.interrupt_enable.missed_tick.value;
+            readback_data_var(3) := readback_data_var(3) or field_storage.interrupt_enable.core_stopped.value;
+        end if;
+        if read_select((16#604#) / 4) then
+            readback_data_var(0) := readback_data_var(0) or field_storage.interrupt_status.result.value;
+            readback_data_var(1) := readback_data_var(1) or field_storage.interrupt_status.fault.value;
+            readback_data_var(2) := readback_data_var(2) or field_storage.interrupt_status.missed_tick.value;
+            readback_data_var(3) := readback_data_var(3) or field_storage.interrupt_status.core_stopped.value;
+        end if;
+        if read_select((16#614#) / 4) then
+            readback_data_var(0) := readback_data_var(0) or hwif_in.load_status.loadable.next_q;
+            readback_data_var(1) := readback_data_var(1) or hwif_in.load_status.unlocked.next_q;
+            readback_data_var(2) := readback_data_var(2) or hwif_in.load_status.bad.next_q;
+            readback_data_var(3) := readback_data_var(3) or hwif_in.load_status.waiting.next_q;
+            readback_data_var(5 downto 4) := readback_data_var(5 downto 4) or hwif_in.load_status.bank.next_q;
+        end if;
+        if read_select((16#618#) / 4) then
+            readback_data_var(31 downto 0) := readback_data_var(31 downto 0) or hwif_in.bank_crc.value.next_q;
+        end if;
+        if read_select((16#640#) / 4) then
+            readback_data_var(0) := readback_data_var(0) or hwif_in.guards.core_clock.next_q;
+            readback_data_var(6 downto 4) := readback_data_var(6 downto 4) or hwif_in.guards.feedback.next_q;
         end if;
         readback_data <= readback_data_var;
         readback_done <= decoded_req and not decoded_req_is_wr;

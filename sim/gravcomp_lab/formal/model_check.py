@@ -167,14 +167,17 @@ def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[st
     return int(found[1]) + 1
 
 
-def write_miter(gold: Path, gate: Path, top: str, out: Path) -> Path:
+def write_miter(gold: Path, gate: Path, top: str, out: Path, *, from_zero: bool = False) -> Path:
     """The graph in which an output tells that a port of a module differs between two Verilog files, run from power-up
     on the same inputs; for differs_soon and same_at_ports. Raises InputError when Yosys fails.
+
+    from_zero: registers without a value at power-up begin with 0; otherwise with any, in each of the two.
     """
     graph, passes = out / "miter.aig", []
+    start = ["setundef -undriven -zero", "setundef -init -zero"] if from_zero else []
     for name, verilog in (("gold", gold), ("gate", gate)):
         passes += [f"read_verilog {verilog.resolve()}", f"hierarchy -check -top {top}", "proc -latches error"]
-        passes += ["flatten", "opt_clean", f"rename {top} {name}", f"design -stash {name}"]
+        passes += ["flatten", "opt_clean", *start, f"rename {top} {name}", f"design -stash {name}"]
     passes += [f"design -copy-from {name} {name}" for name in ("gold", "gate")]
     passes += ["miter -equiv -flatten -make_assert gold gate miter", "hierarchy -top miter"]
     passes += _TO_GRAPH.format(cuts="", clocks=_ONE_CLOCK).split("; ")

@@ -6,6 +6,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from gravcomp.core.vhdl.plain_vhdl import plain
+from gravcomp.core.vhdl.small_registers import small
 from gravcomp.errors import InputError
 from gravcomp.shipped import shipped
 
@@ -18,8 +19,14 @@ _ADDRESS_BITS = 12
 def register_files(n_axes: int) -> dict[str, str]:
     """gc_registers, gc_motion_registers and their packages for so many axes, text by file name.
 
-    Raises InputError as elaborated does.
+    Raises InputError as elaborated does, and as small.
     """
+    written = peakrdl_files(n_axes)
+    return {name: text if name.endswith("_pkg.vhd") else small(text) for name, text in written.items()}
+
+
+def peakrdl_files(n_axes: int) -> dict[str, str]:
+    """The same as PeakRDL writes them, but plain."""
     from peakrdl_regblock_vhdl import RegblockExporter
     from peakrdl_regblock_vhdl.cpuif.axi4lite import AXI4Lite_Cpuif_flattened
 
@@ -36,7 +43,8 @@ def register_files(n_axes: int) -> dict[str, str]:
                 err_if_bad_addr=True,
                 err_if_bad_rw=True,
             )
-        return {name: plain((Path(folder) / name).read_text(encoding="utf-8")) for name in REGISTER_FILES}
+        written = {name: (Path(folder) / name).read_text(encoding="utf-8") for name in REGISTER_FILES}
+    return {name: plain(text) for name, text in written.items()}
 
 
 def elaborated(description: str, n_axes: int):
