@@ -1,10 +1,13 @@
 """Virtual prototypes of robots of a file: without imperfections they are the statics, with one they are off by it."""
 
+import tomllib
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from gravcomp.cli import main
+from gravcomp.errors import optional
 from gravcomp.prototype.experiment import measure
 from gravcomp.prototype.imperfections import EFFECTS
 from gravcomp.prototype.mechanism_engine import MechanismEngine
@@ -85,6 +88,26 @@ def test_every_imperfection_that_a_shipped_machine_can_have_is_in_its_engine(nam
             plant.place(q, np.zeros(machine.n_axes), 0.0)
             plant.step(q)
             assert np.isfinite(plant.effort()).all(), effect
+
+
+@pytest.mark.slow
+def test_payload_and_friction_of_a_slide_are_diagnosed_and_written_back(tmp_path):
+    """Slides feel no moment of it, whatever that is: it stays of no size. The file has the mass and the friction."""
+    log, out, file = tmp_path / "log.csv", tmp_path / "out", tmp_path / "corrected.xml"
+    effects = ["--effect", "payload:m=1.2", "--effect", "viscous_friction:b=90", "--effect", "coulomb_friction:fc=2.5"]
+    slide = ["--robot", str(WEIGHTS / "slide")]
+    assert main(["measure", *slide, *effects, "--points", "300", "--seed", "5", "--out", str(log)]) == 0
+    assert main(["diagnose", str(log), *slide, "--out", str(out)]) == 0
+    found = {effect["name"]: effect["params"] for effect in tomllib.loads((out / "model.toml").read_text())["effects"]}
+    assert found["payload"]["mass"] == pytest.approx(1.2, rel=0.01)
+    assert all(abs(found["payload"][f"moment_{axis}"]) < 1e-3 for axis in "xyz")
+    assert main(["correct", str(out / "model.toml"), "--out", str(file)]) == 0
+    model = optional("mujoco", "mujoco", "the test").MjModel.from_xml_path(str(file))
+    assert model.body("carriage").mass[0] == pytest.approx(14 + 1.2, rel=0.002)
+    # At the speed of the log: what both frictions are together is known better than either.
+    v = 0.004
+    friction_n = model.dof_frictionloss[0] + model.dof_damping[0] * v
+    assert friction_n == pytest.approx(2.5 + 90 * v, rel=0.1)
 
 
 def test_payload_on_a_gantry_of_three_slides_bears_on_the_upright_one(tmp_path):

@@ -82,7 +82,8 @@ def _linear_start(data, y, rows, effects, corrections, weight) -> list[dict[Para
     terms = [*effects, *corrections]
     blocks = [term.columns(data)[rows] * weight[..., None] for term in terms]
     x = np.concatenate(blocks, axis=-1).reshape(y.size, -1)
-    norm = np.linalg.norm(x, axis=0) + TINY
+    norm = np.linalg.norm(x, axis=0)
+    norm[norm < TINY] = 1.0  # what moves nothing, as a moment on slides, is of no size, not of rounding over nothing
     theta = np.linalg.lstsq(x / norm, (y * weight).ravel(), rcond=1e-9)[0] / norm
     out, at = [], 0
     for term in effects:
