@@ -136,7 +136,7 @@ table2: setup ## the paper's Table 2 on the virtual prototype; docs/measured/tab
 table2-real: setup ## the paper's Table 2 on a real arm: GRAVCOMP_DATA=folder with dvrk_mtm/holds.csv; docs/measured/table2_real.md
 	@$(LAB) table2-real
 
-synth: setup ## area and clock of the core of WEIGHTS with LANES="1 4 20", FORM=paper or lean, placed and routed on ECP5; docs/measured/synthesis.md
+synth: setup ## area and clock of the core of WEIGHTS with LANES="1 4 20", FORM=paper or lean, placed and routed on ECP5, or FORM=serial on iCE40 and Gowin; docs/measured/synthesis.md
 	@$(LAB) synth --weights "$(WEIGHTS)" $(if $(LANES),--lanes $(LANES)) $(if $(FORM),--form $(FORM)) \
 	   $(if $(filter weights/spheiro,$(WEIGHTS)),$(if $(LANES),,--docs docs/measured))
 

@@ -173,6 +173,16 @@ def test_make_test_finds_another_rom_and_another_force(copy):
 
 
 @pytest.mark.slow
+def test_project_of_the_serial_form_runs_its_own_core(copy):
+    robot = copy / "weights" / "mine" / "robot.toml"
+    robot.write_text(load_machine(robot.parent).with_form("serial").text)
+    assert make(copy, "rom").returncode == 0
+    for target, told in (("test", "every force equal"), ("sim", "force 1: ")):
+        done = make(copy, target)
+        assert told in done.stdout + done.stderr, done.stderr
+
+
+@pytest.mark.slow
 def test_make_elaborates_the_whole_system_and_compiles_the_driver(copy):
     assert make(copy, "elaborate").stdout.strip().endswith("gc_system: elaborated")
     assert make(copy, "driver").returncode == 0

@@ -2,8 +2,11 @@
 that does not fit saturates.
 """
 
+import os
+
 import cocotb
 import numpy as np
+import pytest
 
 from arm import arm_toml
 from axes import random_network
@@ -19,18 +22,29 @@ from machines import machine_folder
 from runner import simulate
 
 
+def is_serial() -> bool:
+    """Whether one multiplier makes all currents in turn."""
+    return os.environ.get("SERIAL_G") == "true"
+
+
+def held() -> dict:
+    """What gc_scale asks of its inputs then."""
+    return {"spacing": fixed_network().n_axes, "holds": True} if is_serial() else {}
+
+
 @cocotb.test()
 async def random_forces(dut):
     fixed, rng = fixed_network(), np.random.default_rng(7)
     force_mn = corners_and_random(FORCE_BITS, (400, fixed.n_axes), rng)
     await start(dut)
     inputs = [{"in_force": pack(row, FORCE_BITS)} for row in force_mn]
-    got = await stream(dut, inputs, ["out_current", "out_saturated"], gap_probability=0.2, rng=rng)
+    got = await stream(dut, inputs, ["out_current", "out_saturated"], gap_probability=0.2, rng=rng, **held())
     current_ua = unpack(got.outputs["out_current"], CURRENT_BITS, fixed.n_axes)
     saturated = unpack(got.outputs["out_saturated"], 1, fixed.n_axes) != 0
     np.testing.assert_array_equal(current_ua, current_scaler(force_mn, fixed))
     np.testing.assert_array_equal(saturated, current_saturates(force_mn, fixed))
-    assert latencies(got) == {CURRENT_SCALER_CLOCKS}
+    waits = fixed.n_axes if is_serial() and fixed.n_axes > 1 else 0
+    assert latencies(got) == {CURRENT_SCALER_CLOCKS + waits}
     drive = load_machine(weights_under_test()).drive
     exact_ua = force_mn * 1000.0 / drive.effort_per_ampere
     constant_error = 0.5 / fixed.current_scale  # the factor is rounded to its last bit
@@ -44,13 +58,14 @@ async def reset_in_mid_stream(dut):
     force_mn = 1000 * np.arange(1, 3 * fixed.n_axes + 1).reshape(3, fixed.n_axes)
     inputs = [{"in_force": pack(row, FORCE_BITS)} for row in force_mn]
     await start(dut)
-    for got in await after_resets(dut, inputs, ["out_current"], range(1, 6), flush_clocks=8):
+    for got in await after_resets(dut, inputs, ["out_current"], range(1, 6), flush_clocks=16, **held()):
         current_ua = unpack(got.outputs["out_current"], CURRENT_BITS, fixed.n_axes)
         np.testing.assert_array_equal(current_ua, current_scaler(force_mn, fixed))
 
 
-def test_current_scaler_equals_model():
-    simulate("gc_current_scaler", "test_rtl_current_scaler")
+@pytest.mark.parametrize("serial", ["false", "true"])
+def test_current_scaler_equals_model(serial):
+    simulate("gc_current_scaler", "test_rtl_current_scaler", generics={"serial_g": serial})
 
 
 def test_current_scaler_of_unlike_drives_saturates_where_a_current_does_not_fit(tmp_path):

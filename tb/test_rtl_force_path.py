@@ -12,6 +12,7 @@ from codes import fixed_compensation, fixed_network, pack, unpack, weights_under
 from compensated import compensated_weights
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS, FORCE_BITS
 from gravcomp.core.vhdl.network_package import write_rom
+from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
 from gravcomp_lab.benches.force_path import (
@@ -23,8 +24,9 @@ from gravcomp_lab.benches.force_path import (
 )
 from gravcomp_lab.simulated.poses import motion
 from gravcomp_lab.simulated.run import error_table
-from machines import MACHINE
+from machines import MACHINE, shipped_in
 from runner import RTL, simulate
+from support.core import core_latency
 from support.ghdl import walks_the_hierarchy
 
 
@@ -82,6 +84,30 @@ async def forces_that_do_not_fit(dut):
     assert not bittrue.core(counts, fixed_network()).saturated.any()
 
 
+@cocotb.test()
+async def flags_one_after_the_other(dut):
+    """Counts are taken as soon as they can be, while axes leave their range slowly: each result has its own flags, at
+    the latency of the header."""
+    fixed, bench = fixed_network(), Bench(dut)
+    n = fixed.n_axes
+    await bench.start()
+    await bench.home_near(fixed.count_high - 4 * np.arange(1, n + 1))
+    dut.clocks_per_edge.value = 80
+    dut.target.value = pack(fixed.count_high + 2, COUNT_BITS)
+    answers = await bench.infer_all_along(1200)
+    counts = unpack([row[0] for row in answers], COUNT_BITS, n)
+    check(counts, answers)
+    assert len(np.unique((counts > fixed.count_high).sum(axis=1))) > 2, "the axes did not cross one after the other"
+    began, compensated = bench.n_clocks, os.environ["COMPENSATED_G"] == "true"
+    await bench.infer()
+    scaler = CURRENT_SCALER_CLOCKS + (n if n > 1 else 0)
+    behind_core = (COMPENSATOR_CLOCKS if compensated else 0) + scaler + 2
+    assert bench.n_clocks - began == core_latency(fixed, 1) + behind_core
+    dut.rst.value = 1
+    await bench.clocks(1)
+    assert bench.outputs() == [0, 0, 0, 0]
+
+
 def simulate_top(cocotb_test: str, **options) -> dict:
     """Run a cocotb test of this module; what it handed over, its answers checked."""
     measured = simulate(
@@ -112,6 +138,21 @@ def test_top_follows_a_continuous_motion_without_losing_a_count():
 
 def test_top_flags_the_counts_they_belong_to_and_forgets_all_at_a_reset():
     simulate_top("end_of_the_trained_range", generics={"lanes_g": 20})  # a result per clock: no flag may be late
+
+
+@pytest.mark.parametrize("compensated", ["false", "true"])
+def test_top_of_the_serial_form_equals_model_and_flags_the_counts_they_belong_to(compensated):
+    """With a compensator that adds nothing, and without: one multiplier makes the currents in turn."""
+    weights, generated = shipped_in("serial")
+    simulate_top("flags_one_after_the_other", label="serial flags", generics={"compensated_g": compensated},
+                 environment={"WEIGHTS": str(weights)}, generated=generated)  # fmt: skip
+
+
+def test_loadable_top_of_the_serial_form_is_refused():
+    weights, generated = shipped_in("serial")
+    with pytest.raises(AssertionError, match="gc_force_path: need loadable_g = false with a ROM of the form serial"):
+        simulate_top("poses", label="serial loadable", generics={"loadable_g": "true"}, generated=generated,
+                     environment={"WEIGHTS": str(weights)})  # fmt: skip
 
 
 def test_top_with_a_compensator_follows_a_short_motion(tmp_path):

@@ -535,6 +535,17 @@ PLANTED = [
         ("if asked_2 = '1' and asked = '1' then", "if asked_2 = '1' then", "answer_is_to_the_question"),
         ("answered <= in_fetch.turn;", "answered <= not answered;", "answer_is_to_the_question"),
     ]),
+    ("serial_core", "gc_core_serial", [
+        ("valid <= slot.ends and running;", "valid <= slot.ends;", "result_comes_at_the_latency_and_never_else"),
+        ("saturate(y_sum, y_bits_c) &", "truncate(y_sum, 0, y_bits_c) &", "output_sum_is_clipped"),
+        ("overflows(y_sum, y_bits_c) &", "overflows(y_sum, y_bits_c + 1) &", "clipped_output_is_flagged"),
+        ("& saturated(saturated'high downto 1);", "& saturated(saturated'high - 1 downto 0);", "others_move_down"),
+    ]),
+    ("serial_core", "gc_core_serial", [
+        ("if (slot.ends and running) = '1' or rst = '1' then", "if (slot.ends and running) = '1' then",
+         "ready_at_rest_alone"),
+        ("if takes_y = '1' then", "if slot.takes_h = '1' then", "forces_hold"),
+    ]),
     *((checker, "gc_fixed_pkg", [
         ("limit_v := (others => not value_a(value_a'high));", "limit_v := (others => value_a(value_a'high));", clipped),
         ("for i in bits to value_a'high loop", "for i in bits to value_a'high - 1 loop", flagged),

@@ -4,7 +4,7 @@
 --
 -- With one multiplier in_values must hold for values_g clocks. out_products hold from out_valid as long as in_values
 -- did, with one multiplier to the next out_valid.
--- Formats: 18 x 18 -> 36 bits, value 0 lowest in the vectors. Latency: 2 clocks; with one multiplier values_g + 2, and
+-- Formats: value_bits_g x 18 -> that and 18 bits, value 0 lowest in the vectors. Latency: 2 clocks; with one multiplier values_g + 2, and
 -- in_valid must then stay values_g clocks apart. Overflow: cannot happen.
 
 library ieee;
@@ -18,18 +18,20 @@ library work;
 entity gc_scale is
   generic (
     -- Number of values.
-    values_g : positive := 3;
+    values_g     : positive := 3;
+    -- Width of a value, bits.
+    value_bits_g : positive := operand_bits_c;
     -- One multiplier for all values, in turn.
-    serial_g : boolean := false
+    serial_g     : boolean := false
   );
   port (
     clk          : in    std_ulogic;
     -- Synchronous, active high; clears valid and state.
     rst          : in    std_ulogic;
     in_valid     : in    std_ulogic;
-    in_values    : in    signed(values_g * operand_bits_c - 1 downto 0);
+    in_values    : in    signed(values_g * value_bits_g - 1 downto 0);
     out_valid    : out   std_ulogic;
-    out_products : out   signed(values_g * 2 * operand_bits_c - 1 downto 0);
+    out_products : out   signed(values_g * (value_bits_g + operand_bits_c) - 1 downto 0);
     -- Factor 0 lowest; they change only while no product is under way.
     factors      : in    signed(values_g * operand_bits_c - 1 downto 0)
   );
@@ -37,7 +39,7 @@ end entity gc_scale;
 
 architecture rtl of gc_scale is
 
-  constant product_bits_c : positive := 2 * operand_bits_c;
+  constant product_bits_c : positive := value_bits_g + operand_bits_c;
 
 begin
 
@@ -49,14 +51,14 @@ begin
 
       i_multiply : entity work.gc_multiply
         generic map (
-          a_bits_g => operand_bits_c,
+          a_bits_g => value_bits_g,
           b_bits_g => operand_bits_c
         )
         port map (
           clk         => clk,
           rst         => rst,
           in_valid    => in_valid,
-          in_a        => in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
+          in_a        => in_values((i + 1) * value_bits_g - 1 downto i * value_bits_g),
           in_b        => factors((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
           out_valid   => valid(i),
           out_product => out_products((i + 1) * product_bits_c - 1 downto i * product_bits_c)
@@ -72,7 +74,7 @@ begin
 
     -- The value that goes in.
     signal turn          : std_ulogic_vector(last_c downto 0);
-    signal value         : operand_t;
+    signal value         : signed(value_bits_g - 1 downto 0);
     signal factor        : operand_t;
     signal value_valid   : std_ulogic;
     signal product       : signed(product_bits_c - 1 downto 0);
@@ -101,13 +103,13 @@ begin
     p_select : process (all) is
     begin
 
-      value <= in_values(operand_bits_c - 1 downto 0);
+      value <= in_values(value_bits_g - 1 downto 0);
       factor <= factors(operand_bits_c - 1 downto 0);
 
       for i in 1 to last_c loop
 
         if turn(i) = '1' then
-          value <= in_values((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
+          value <= in_values((i + 1) * value_bits_g - 1 downto i * value_bits_g);
           factor <= factors((i + 1) * operand_bits_c - 1 downto i * operand_bits_c);
         end if;
 
@@ -117,7 +119,7 @@ begin
 
     i_multiply : entity work.gc_multiply
       generic map (
-        a_bits_g => operand_bits_c,
+        a_bits_g => value_bits_g,
         b_bits_g => operand_bits_c
       )
       port map (

@@ -2,8 +2,9 @@
 --
 -- i = f / K_t with the K_t of each axis: efforts to motor currents, by one multiplication and rounding.
 --
--- Formats: 24 bits, mN or mNm -> 32 bits, uA. Latency: 3 clocks. Overflow: a current that does not fit saturates and is
--- flagged; of an axis of more than 3.9 N/A or Nm/A every one fits.
+-- Formats: 24 bits, mN or mNm -> 32 bits, uA. Latency: 3 clocks; with one multiplier, of several axes, their number + 3,
+-- and in_force must then hold as gc_scale asks. Overflow: a current that does not fit saturates and is flagged; of an
+-- axis of more than 3.9 N/A or Nm/A every one fits.
 -- Not part of the network's budget of operations.
 
 library ieee;
@@ -18,6 +19,10 @@ library work;
   use work.gc_scalars_pkg.all;
 
 entity gc_current_scaler is
+  generic (
+    -- One multiplier for all axes, in turn.
+    serial_g : boolean := false
+  );
   port (
     clk           : in    std_ulogic;
     -- Synchronous, active high; clears the valid bits.
@@ -39,10 +44,28 @@ architecture rtl of gc_current_scaler is
 
   constant product_bits_c : positive := force_bits_c + operand_bits_c;
 
-  signal valid_2 : std_ulogic_vector(axes_c - 1 downto 0);
-  signal valid_3 : std_ulogic := '0';
+  signal valid_2    : std_ulogic;
+  signal products_2 : signed(axes_c * product_bits_c - 1 downto 0);
+  signal valid_3    : std_ulogic := '0';
 
 begin
+
+  -- stages 1 and 2: multiply
+  i_scale : entity work.gc_scale
+    generic map (
+      values_g     => axes_c,
+      value_bits_g => force_bits_c,
+      serial_g     => serial_g
+    )
+    port map (
+      clk          => clk,
+      rst          => rst,
+      in_valid     => in_valid,
+      in_values    => in_force,
+      out_valid    => valid_2,
+      out_products => products_2,
+      factors      => scalars.current_scale
+    );
 
   g_axis : for i in 0 to axes_c - 1 generate
     constant fraction_c  : positive := current_scale_fraction_c(i);
@@ -53,21 +76,7 @@ begin
     signal   saturated_3 : std_ulogic;
   begin
 
-    -- stages 1 and 2: multiply
-    i_multiply : entity work.gc_multiply
-      generic map (
-        a_bits_g => force_bits_c,
-        b_bits_g => operand_bits_c
-      )
-      port map (
-        clk         => clk,
-        rst         => rst,
-        in_valid    => in_valid,
-        in_a        => in_force((i + 1) * force_bits_c - 1 downto i * force_bits_c),
-        in_b        => scalars.current_scale((i + 1) * operand_bits_c - 1 downto i * operand_bits_c),
-        out_valid   => valid_2(i),
-        out_product => product_2
-      );
+    product_2 <= products_2((i + 1) * product_bits_c - 1 downto i * product_bits_c);
 
     -- stage 3: round and saturate
     p_round : process (clk) is
@@ -92,7 +101,7 @@ begin
   begin
 
     if rising_edge(clk) then
-      valid_3 <= valid_2(0);
+      valid_3 <= valid_2;
       if rst = '1' then
         valid_3 <= '0';
       end if;

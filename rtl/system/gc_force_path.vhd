@@ -1,10 +1,12 @@
 -- SPDX-License-Identifier: MIT
 --
 -- Encoder pins in, force and current commands out: one decoder per axis, the network, the compensator, currents
--- i = f / K_t.
+-- i = f / K_t. The network is gc_core or, with a ROM of the form serial, gc_core_serial; one multiplier then makes the
+-- currents, too.
 --
--- Latency from accepted in_valid to out_valid: those of gc_core, gc_compensator and gc_current_scaler and 1 clock; from
--- a pin to the count: see gc_quad_decoder. Overflow and illegal input: see the status ports; none is silent.
+-- Latency from accepted in_valid to out_valid: those of gc_core, gc_compensator and gc_current_scaler and 1 clock; in the
+-- form serial 1 clock more. From a pin to the count: see gc_quad_decoder. Overflow and illegal input: see the status
+-- ports; none is silent.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -28,7 +30,9 @@ entity gc_force_path is
     reversal_clocks_g : positive := 250;
     dither_clocks_g   : positive := 40;
     -- Whether all constants can be replaced at run time; see gc_loader and gc_bank_switch.
-    loadable_g        : boolean := false
+    loadable_g        : boolean := false;
+    -- Whether friction and cogging are added to the forces; else there is no compensator, for small parts.
+    compensated_g     : boolean := true
   );
   port (
     clk                : in    std_ulogic;
@@ -109,6 +113,8 @@ architecture rtl of gc_force_path is
   signal flags         : std_ulogic_vector(axes_c + axes_c - 1 downto 0);
   signal flags_waited  : std_ulogic_vector(axes_c + axes_c - 1 downto 0);
   signal force_valid   : std_ulogic;
+  signal scaled_valid  : std_ulogic;
+  signal scaled_mn     : signed(axes_c * force_bits_c - 1 downto 0);
   signal unfit         : std_ulogic_vector(axes_c - 1 downto 0);
   -- Results, to wait for the current scaler.
   signal result        : std_ulogic_vector(force_mn'length + axes_c + axes_c - 1 downto 0);
@@ -125,6 +131,10 @@ architecture rtl of gc_force_path is
   signal core_rst      : std_ulogic;
 
 begin
+
+  assert not (serial_form_c and loadable_g)
+    report "gc_force_path: need loadable_g = false with a ROM of the form serial, got true"
+    severity failure;
 
   g_decoder : for i in 0 to axes_c - 1 generate
 
@@ -181,62 +191,93 @@ begin
   in_ready <= core_ready and counts_valid and not hold;
   core_rst <= rst or restart;
 
-  i_core : entity work.gc_core
-    generic map (
-      lanes_g    => lanes_g,
-      loadable_g => loadable_g
-    )
-    port map (
-      clk           => clk,
-      rst           => core_rst,
-      in_valid      => start,
-      in_ready      => core_ready,
-      in_count      => count,
-      out_valid     => core_valid,
-      out_force     => network_mn,
-      out_clamped   => clamped,
-      out_saturated => saturated,
-      memory        => memory,
-      scalars       => scalars
-    );
+  g_form : if serial_form_c generate
+
+    i_core : entity work.gc_core_serial
+      port map (
+        clk           => clk,
+        rst           => core_rst,
+        in_valid      => start,
+        in_ready      => core_ready,
+        in_count      => count,
+        out_valid     => core_valid,
+        out_force     => network_mn,
+        out_clamped   => clamped,
+        out_saturated => saturated
+      );
+
+  else generate
+
+    i_core : entity work.gc_core
+      generic map (
+        lanes_g    => lanes_g,
+        loadable_g => loadable_g
+      )
+      port map (
+        clk           => clk,
+        rst           => core_rst,
+        in_valid      => start,
+        in_ready      => core_ready,
+        in_count      => count,
+        out_valid     => core_valid,
+        out_force     => network_mn,
+        out_clamped   => clamped,
+        out_saturated => saturated,
+        memory        => memory,
+        scalars       => scalars
+      );
+
+  end generate g_form;
 
   flags <= clamped & saturated;
 
-  i_flags : entity work.gc_delay
-    generic map (
-      bits_g   => flags'length,
-      clocks_g => compensator_clocks_c
-    )
-    port map (
-      clk      => clk,
-      in_data  => flags,
-      out_data => flags_waited
-    );
+  g_compensator : if compensated_g generate
 
-  i_compensator : entity work.gc_compensator
-    generic map (
-      loadable_g => loadable_g
-    )
-    port map (
-      clk           => clk,
-      rst           => rst,
-      in_valid      => core_valid,
-      in_force      => network_mn,
-      in_count      => count,
-      in_period     => period,
-      out_valid     => force_valid,
-      out_force     => force_mn,
-      out_saturated => unfit,
-      memory        => memory,
-      scalars       => scalars
-    );
+    i_flags : entity work.gc_delay
+      generic map (
+        bits_g   => flags'length,
+        clocks_g => compensator_clocks_c
+      )
+      port map (
+        clk      => clk,
+        in_data  => flags,
+        out_data => flags_waited
+      );
+
+    i_compensator : entity work.gc_compensator
+      generic map (
+        loadable_g => loadable_g
+      )
+      port map (
+        clk           => clk,
+        rst           => rst,
+        in_valid      => core_valid,
+        in_force      => network_mn,
+        in_count      => count,
+        in_period     => period,
+        out_valid     => force_valid,
+        out_force     => force_mn,
+        out_saturated => unfit,
+        memory        => memory,
+        scalars       => scalars
+      );
+
+  else generate
+    flags_waited <= flags;
+    force_valid <= core_valid;
+    force_mn <= network_mn;
+    unfit <= (others => '0');
+  end generate g_compensator;
 
   i_current : entity work.gc_current_scaler
+    generic map (
+      serial_g => serial_form_c
+    )
     port map (
       clk           => clk,
       rst           => rst,
-      in_valid      => force_valid,
-      in_force      => force_mn,
+      in_valid      => scaled_valid,
+      in_force      => scaled_mn,
       out_valid     => current_valid,
       out_current   => current,
       out_saturated => unfit_current,
@@ -246,16 +287,45 @@ begin
   result <= std_ulogic_vector(force_mn) & flags_waited(flags_waited'high downto axes_c)
             & (flags_waited(axes_c - 1 downto 0) or unfit);
 
-  i_result : entity work.gc_delay
-    generic map (
-      bits_g   => result'length,
-      clocks_g => current_scaler_clocks_c
-    )
-    port map (
-      clk      => clk,
-      in_data  => result,
-      out_data => result_waited
-    );
+  -- Results are rare in the form serial: one register holds them while their currents are made, one after the other.
+
+  g_result : if serial_form_c generate
+    signal held_valid : std_ulogic := '0';
+  begin
+
+    p_held : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        held_valid <= force_valid;
+        if force_valid = '1' then
+          result_waited <= result;
+        end if;
+        if rst = '1' then
+          held_valid <= '0';
+        end if;
+      end if;
+
+    end process p_held;
+
+    scaled_valid <= held_valid;
+    scaled_mn <= signed(result_waited(result_waited'high downto axes_c + axes_c));
+  else generate
+
+    i_result : entity work.gc_delay
+      generic map (
+        bits_g   => result'length,
+        clocks_g => current_scaler_clocks_c
+      )
+      port map (
+        clk      => clk,
+        in_data  => result,
+        out_data => result_waited
+      );
+
+    scaled_valid <= force_valid;
+    scaled_mn <= force_mn;
+  end generate g_result;
 
   -- Commands hold between results: a drive never sees what is under way.
   p_hold : process (clk) is

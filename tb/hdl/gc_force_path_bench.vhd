@@ -11,8 +11,9 @@ library work;
 
 entity gc_force_path_bench is
   generic (
-    lanes_g    : positive := 4;
-    loadable_g : boolean := false
+    lanes_g       : positive := 4;
+    loadable_g    : boolean := false;
+    compensated_g : boolean := true
   );
   port (
     clk              : in    std_ulogic;
@@ -79,8 +80,9 @@ begin
 
   i_force_path : entity work.gc_force_path
     generic map (
-      lanes_g    => lanes_g,
-      loadable_g => loadable_g
+      lanes_g       => lanes_g,
+      loadable_g    => loadable_g,
+      compensated_g => compensated_g
     )
     port map (
       clk                => clk,

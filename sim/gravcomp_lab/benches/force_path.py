@@ -24,10 +24,10 @@ CLOCKS_PER_EDGE = 4
 CLOCKS_PER_PERIOD = 600  # of 1 ms: the slowest clock that keeps up with the edges is the cheapest to simulate
 CLOCK_NS = 2 * round(1e6 / CLOCKS_PER_PERIOD / 2)
 TRAVEL_CLOCKS = 1000  # the longest way between two poses here
-INFERENCE_CLOCKS = 100
+INFERENCE_CLOCKS = 200
 # From the forces of gc_core, beside which the compensator takes the speed, to the result.
 CLOCKS_BEHIND_CORE = COMPENSATOR_CLOCKS + CURRENT_SCALER_CLOCKS + 1
-LATENCY_CLOCKS = 45  # of gc_force_path with 2 lanes or more, with some to spare
+LATENCY_CLOCKS = 190  # of gc_force_path, most in the form serial, with some to spare
 DECODER_CLOCKS = 12  # synchroniser, filter and count, with some to spare
 
 

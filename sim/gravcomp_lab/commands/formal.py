@@ -30,6 +30,8 @@ of one lane are those of all.
 `input_clamp`, `hidden_saturation`, `output_saturation` and `force_saturation` compare with the clipped value itself, at
 the widths of the network that is shipped, for every value before the clip. `input_clamp` shows that a count within the
 trained range reaches the multiplier whole, and that x is the truncated product there and that of the limit beyond.
+`serial_core` is about gc_core_serial with the same network in the serial form: each accepted input is answered after
+exactly its latency, and each output is its sum, clipped and flagged if so, and holds.
 
 `axi` leaves the master free, and the core behind the registers too. From the first reset on: a response only to
 a request that was taken, of its kind, held unchanged until the master takes it; at most three requests of a kind under

@@ -10,13 +10,18 @@ from gravcomp.core.compensator_tables import (
     PHASE_STEP_BITS,
     quantise_compensation,
 )
+from gravcomp.core.cost import CoreCost
 from gravcomp.core.formats import COUNT_BITS, OPERAND_BITS, FixedNetwork, quantise
 from gravcomp.core.image import Record, image_records, record_words
+from gravcomp.core.quantised import quantised
+from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS, DRIVE_CLOCKS, IMAGE_SECTIONS, IMAGE_WORD_BITS
 from gravcomp.network.weights import load_network
+from gravcomp.robot.machine import PAPER, SERIAL
 from gravcomp.twin.safety import Cause, State
 from gravcomp_lab.formal.model_check import Verdict, induct, model_check, refute, shortest_run
 from gravcomp_lab.formal.sums import hidden_sums, output_sums
+from gravcomp_lab.forms import form_copy
 from gravcomp_lab.shipped import SPHEIRO, shipped_machine
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 
@@ -38,7 +43,7 @@ class Claim:
 
     clocks_behind_core: what the entity's latency is longer than that of gc_core with the same generics; the checker
     then gets the sum as LATENCY. free_clocks, cuts: as of model_check. induction: clocks of induct, in place of
-    model_check. axis: that of the claim, the checker's parameter AXIS.
+    model_check. axis: that of the claim, the checker's parameter AXIS. form: of the ROM, if another than the paper's.
     """
 
     checker: str
@@ -50,6 +55,7 @@ class Claim:
     cuts: tuple[str, ...] = ()
     induction: int = 0
     axis: int | None = None
+    form: str = PAPER
 
     @property
     def name(self) -> str:
@@ -73,6 +79,7 @@ CLAIMS = (
     Claim("phase", "gc_phase"),
     Claim("sin_cos", "gc_sin_cos"),
     Claim("hidden_saturation", "gc_hidden_lane"),
+    Claim("serial_core", "gc_core_serial", form=SERIAL),
     Claim("output_saturation", "gc_output_scaler"),
     Claim("force_saturation", "gc_compensator", parameters={"TOTAL_BITS": FRICTION_BITS + 1}),
     Claim("safety", "gc_safety", {"two_paths_g": "true"}, STATES | CAUSES),
@@ -146,6 +153,7 @@ OF_THE_NETWORK = {
     },
     "hidden_saturation": lambda fixed: {"SUM_BITS": fixed.hidden_sum_bits, "DROP": fixed.preactivation_drop},
     "output_saturation": lambda fixed: {"SUM_BITS": fixed.output_sum_bits, "DROP": fixed.output_drop},
+    "serial_core": lambda _: _of_the_serial_core(),
     "bank_switch": lambda fixed: {**_scalar_bits(fixed), "ROM": _rom_scalars(fixed)},
     "loader": lambda fixed: {**_sections(fixed), **_scalar_bits(fixed)},
 }
@@ -168,7 +176,7 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path, broken: Collectio
         # The shortest run to a result; that all others take as long is then proven.
         latency = shortest_run(core, checkers / "valid_pipeline.sv", folder / "core", {"LATENCY": 0}) - 1
         parameters["LATENCY"] = latency + claim.clocks_behind_core
-    design = _design(claim.entity, claim.generics, rtl, folder)
+    design = _design(claim.entity, claim.generics, rtl, folder, claim.form)
     checker, clocks = checkers / f"{claim.checker}.sv", parameters.get("INTERVAL", 1)
     if claim.induction:
         return induct(design, checker, folder, parameters, claim.induction, claim.cuts)
@@ -226,6 +234,17 @@ def _packed(values: Iterable[int], bits: int) -> str:
     return f"{bits * len(values)}'h{sum(value << bits * k for k, value in enumerate(values)):x}"
 
 
-def _design(entity: str, generics: Mapping[str, int | str], rtl: Path, folder: Path) -> Path:
+def _of_the_serial_core() -> dict[str, int]:
+    """Latency and widths in the serial form of the network that is shipped."""
+    fixed = quantised(shipped_machine().with_form(SERIAL), load_network(SPHEIRO))
+    latency = CoreCost(fixed.n_hidden, fixed.n_inputs, fixed.n_axes, 1, True, True).latency
+    return {"LATENCY": latency, "SUM_BITS": fixed.output_sum_bits, "DROP": fixed.output_drop}
+
+
+def _design(entity: str, generics: Mapping[str, int | str], rtl: Path, folder: Path, form: str = PAPER) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
-    return to_verilog(rtl_sources(rtl), entity, generics, folder / "design.v")
+    generated = None
+    if form != PAPER:
+        generated = folder / "generated"
+        write_rom(form_copy(SPHEIRO, folder, form), generated)
+    return to_verilog(rtl_sources(rtl, generated), entity, generics, folder / "design.v")

@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +16,10 @@ TARGETS = {
     "ecp5": ["synth_lattice -family ecp5 -top {top}"],
     "xilinx": ["synth_xilinx -family xc7 -flatten -noiopad -noclkbuf -top {top}"],
     "gowin": ["synth_gowin -family gw2a -noiopads -top {top}"],
+    # With pads, to be placed; the iCE40 is an UltraPlus.
+    "ice40": ["synth_ice40 -dsp -device u -top {top}"],
+    "gw1n": ["synth_gowin -family gw1n -top {top}"],
+    "gw2a": ["synth_gowin -family gw2a -top {top}"],
 }
 # The primitives that a mapping file may use.
 PRIMITIVES = {"ecp5": ["+/lattice/cells_bb_ecp5.v"], "xilinx": ["+/xilinx/cells_sim.v"]}
@@ -36,12 +40,17 @@ for line in open(sys.argv[1]):
 
 @dataclass(frozen=True)
 class Netlist:
-    """A synthesised design: its top module, number of cells by type, and the netlist as JSON and as Verilog."""
+    """A synthesised design: its top module, number of cells by type, and the netlist as JSON and as Verilog.
+
+    scanned_inputs, scanned_outputs: bits of the chain around it, if there is one.
+    """
 
     top: str
     cells: dict[str, int]
     json: Path
     verilog: Path
+    scanned_inputs: int = 0
+    scanned_outputs: int = 0
 
     def port_bits(self) -> int:
         """Bits of all ports of the top."""
@@ -57,12 +66,16 @@ def synthesise(
     *,
     mapping: Path | Sequence[Path] | None = None,
     registered: bool = False,
+    scanned: bool = False,
+    open_ports: Collection[str] = (),
 ) -> Netlist:
     """Synthesise module top of a Verilog file for a target of TARGETS; files and yosys.log go to the folder out.
 
     mapping: Verilog files whose modules replace those of the same name, such as the vendor's form of a multiplier.
     registered: flip-flops around every port but clk, so that place and route times the paths through the ports too;
     the top of the netlist is then `registered`.
+    scanned: these flip-flops as one shift register, for a part with fewer pins; the top is then `scanned`. open_ports:
+    outputs that nothing is to take then.
     Raises InputError when Yosys fails; a latch is a failure.
     """
     out.mkdir(parents=True, exist_ok=True)
@@ -71,17 +84,22 @@ def synthesise(
         read += [f"read_verilog -lib {path}" for path in PRIMITIVES.get(target, [])]
         files = [mapping] if isinstance(mapping, Path) else mapping
         read += [f"read_verilog -overwrite {file.resolve()}" for file in files]
-    if registered:
-        wrapper = out / "registered.v"
-        wrapper.write_text(_register_ports(top, _ports(read, top, out)))
-        read, top = [*read, f"read_verilog {wrapper.resolve()}"], "registered"
+    chain = {"scanned_inputs": 0, "scanned_outputs": 0}
+    if registered or scanned:
+        ports = {name: port for name, port in _ports(read, top, out).items() if name not in open_ports}
+        name = "scanned" if scanned else "registered"
+        wrapper = out / f"{name}.v"
+        wrapper.write_text((_scan_ports if scanned else _register_ports)(top, ports))
+        read, top = [*read, f"read_verilog {wrapper.resolve()}"], name
+        if scanned:
+            chain = {f"scanned_{way}s": _bits(ports, way) for way in ("input", "output")}
     netlist, mapped, cells = (out / f"{target}.{name}" for name in ("json", "v", "stat.json"))
     passes = [*read, f"hierarchy -check -top {top}", "proc -latches error", *_ATTRIBUTES, *TARGETS[target]]
     passes += [f"tee -q -o {cells.name} stat -json"]
     passes += [f"write_json {netlist.name}", f"write_verilog -noattr {mapped.name}"]
     run_passes([line.format(top=top) for line in passes], out / "yosys.log")
     counts = json.loads(cells.read_text())["design"]["num_cells_by_type"]
-    return Netlist(top, {name: int(number) for name, number in counts.items()}, netlist, mapped)
+    return Netlist(top, {name: int(number) for name, number in counts.items()}, netlist, mapped, **chain)
 
 
 def _ports(read: Sequence[str], top: str, out: Path) -> dict[str, tuple[str, int]]:
@@ -108,6 +126,30 @@ def _register_ports(top: str, ports: dict[str, tuple[str, int]]) -> str:
     head = f"module registered(input clk, {', '.join(declared)});"
     core = f"  {top} core(.clk(clk), {', '.join(connections)});"
     return "\n".join([head, *signals, *moves, core, "endmodule", ""])
+
+
+def _scan_ports(top: str, ports: dict[str, tuple[str, int]]) -> str:
+    """Verilog of module `scanned`: top with its ports but clk on a shift register, which captures the outputs."""
+    n_in, n_out = _bits(ports, "input"), _bits(ports, "output")
+    connections, low = [".clk(clk)"], {"input": 0, "output": 0}
+    for name, (way, bits) in ports.items():
+        if name != "clk":
+            signal = "in_q" if way == "input" else "out_d"
+            connections.append(f".{name}({signal}[{low[way] + bits - 1}:{low[way]}])")
+            low[way] += bits
+    return f"""module scanned(input clk, input scan_in, input capture, output scan_out);
+  reg [{n_in - 1}:0] in_q; reg [{n_out - 1}:0] out_q; wire [{n_out - 1}:0] out_d;
+  always @(posedge clk) in_q <= {{in_q, scan_in}};
+  always @(posedge clk) out_q <= capture ? out_d : {{out_q, in_q[{n_in - 1}]}};
+  assign scan_out = out_q[{n_out - 1}];
+  {top} core({", ".join(connections)});
+endmodule
+"""
+
+
+def _bits(ports: dict[str, tuple[str, int]], way: str) -> int:
+    """Bits of the inputs or outputs but clk."""
+    return sum(bits for name, (own, bits) in ports.items() if own == way and name != "clk")
 
 
 def run_passes(passes: Sequence[str], log: Path) -> None:
