@@ -198,6 +198,7 @@ def test_project_of_other_axes_holds_what_they_can_use(name, tmp_path):
     assert make(project, "elaborate").stdout.strip().endswith("gc_system: elaborated")
     done = make(project, "test")
     assert "500 lines, every force equal" in done.stdout + done.stderr
+    assert "metavalue" not in done.stdout + done.stderr  # lines that a stranger takes for faults
     listed = {project / "rtl" / name for name in (project / "rtl" / "sources.f").read_text().split()}
     assert set((project / "rtl").rglob("*.vhd")) == listed
     assert make(project, "driver").returncode == 0

@@ -88,11 +88,15 @@ begin
       report "gc_hold_bench: no result"
       severity failure;
     wait until falling_edge(clk);
+    assert not is_x(std_ulogic_vector(out_force))
+      report "gc_hold_bench: a force is undefined"
+      severity failure;
 
     for i in 0 to axes_c - 1 loop
 
       report "force " & integer'image(i + 1) & ": "
-             & integer'image(to_integer(out_force((i + 1) * force_bits_c - 1 downto i * force_bits_c))) & " mN";
+             & integer'image(to_integer(out_force((i + 1) * force_bits_c - 1 downto i * force_bits_c)))
+             & " mN, of a rotary axis mNm";
 
     end loop;
 

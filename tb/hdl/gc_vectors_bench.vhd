@@ -158,6 +158,9 @@ begin
       assert out_valid = '1'
         report "gc_vectors_bench: line " & integer'image(number_v) & ": no result"
         severity failure;
+      assert not is_x(std_ulogic_vector(out_force))
+        report "gc_vectors_bench: line " & integer'image(number_v) & ": a force is undefined"
+        severity failure;
 
       for i in 0 to axes_c - 1 loop
 
