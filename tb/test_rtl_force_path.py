@@ -10,6 +10,7 @@ import pytest
 
 from codes import fixed_compensation, fixed_network, pack, unpack, weights_under_test
 from compensated import compensated_weights
+from gravcomp.core.cost import CoreCost
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS, FORCE_BITS
 from gravcomp.core.vhdl.network_package import write_rom
 from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS
@@ -26,7 +27,6 @@ from gravcomp_lab.simulated.poses import motion
 from gravcomp_lab.simulated.run import error_table
 from machines import MACHINE, shipped_in
 from runner import RTL, simulate
-from support.core import core_latency
 from support.ghdl import walks_the_hierarchy
 
 
@@ -102,7 +102,8 @@ async def flags_one_after_the_other(dut):
     await bench.infer()
     scaler = CURRENT_SCALER_CLOCKS + (n if n > 1 else 0)
     behind_core = (COMPENSATOR_CLOCKS if compensated else 0) + scaler + 2
-    assert bench.n_clocks - began == core_latency(fixed, 1) + behind_core
+    core = CoreCost(fixed.n_hidden, fixed.n_inputs, n, 1, fixed.is_lean, fixed.is_serial)
+    assert bench.n_clocks - began == core.latency + behind_core
     dut.rst.value = 1
     await bench.clocks(1)
     assert bench.outputs() == [0, 0, 0, 0]
