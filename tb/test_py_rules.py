@@ -6,7 +6,7 @@ import pytest
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Regressor, Term
 from gravcomp.diagnosis.search.criterion import Criterion
 from gravcomp.diagnosis.search.gram import Gram
-from gravcomp.diagnosis.search.rules import Choice, _beaten, _simpler_axes, _without, certain
+from gravcomp.diagnosis.search.rules import Choice, _beaten, _possible, _pruned, _simpler_axes, _without, certain
 from gravcomp.diagnosis.search.search import climb
 
 N, NOISE = 400, 0.1
@@ -239,3 +239,107 @@ def test_name_gives_way_on_the_axis_where_a_correction_of_that_axis_shows_more_e
     (left,) = _without(criterion, [0], beaten)
     assert criterion.terms[left].labels == labels[4:]
     assert _without(criterion, [0], {("curve", 0), ("curve", 1)}) == []
+
+
+def machine_of_two_axes(terms: list[Regressor], force: np.ndarray, n_effects: int) -> Criterion:
+    gram = Gram(terms, force, np.ones(force.shape), np.full(2, NOISE**2), np.full(2, float(len(force))))
+    return Criterion([own.term for own in terms], gram, n_effects, {})
+
+
+class Body(Named):
+    """Of the whole machine: a coefficient for each of two bodies."""
+
+    name = "body"
+
+    def groups(self, labels):
+        return [{label} for label in labels]
+
+
+class Table(ByAxis):
+    name = "table"
+
+    def groups(self, labels):
+        return [{label for label in labels if label.axis == axis} for axis in (0, 1)]
+
+
+def bodies_and_tables(of_table: float) -> tuple[Criterion, tuple[int, int, int]]:
+    """A table of four coefficients on two axes that is nearly the weight of body 1 on axis 1, in the data with this
+    size on axis 2 alone; terms: body, table, body without body 1. Beside it 3 NOISE on each axis that have no name.
+    """
+    rng, n = np.random.default_rng(14), 600
+    bodies, tables, unknown, noise = (rng.standard_normal((size, n)) for size in (2, 8, 2, 2))
+    tables[0] = bodies[0] + 0.05 * tables[0]
+    zero = np.zeros((n, 4))
+    labels = tuple(Parameter(f"x{a}", axis) for axis in (0, 1) for a in range(4))
+    terms = [
+        Regressor(Term(Body(), (Parameter("m1"), Parameter("m2"))), (bodies.T, 0.5 * bodies.T)),
+        Regressor(Term(Table(), labels), (np.c_[tables[:4].T, zero], np.c_[zero, tables[4:].T])),
+    ]
+    weight = np.c_[bodies.sum(axis=0), 0.5 * bodies.sum(axis=0)]
+    force = 20.0 * weight + np.c_[np.zeros(n), of_table * tables[4:].sum(axis=0)] + 3.0 * unknown.T + noise.T
+    criterion = machine_of_two_axes(terms, NOISE * force, 2)
+    return criterion, (0, 1, criterion.part(0, (Parameter("m2"),)))
+
+
+def test_table_of_a_name_gives_back_what_a_name_of_the_whole_machine_has_lost_to_it():
+    """Without the weight of body 1 the table accounts for much on axis 1; with it for nothing, but on axis 2."""
+    criterion, (body, table, rest) = bodies_and_tables(20.0)
+    members = certain(criterion, Choice(frozenset({table, rest}), False), np.full(2, NOISE), {}).members
+    assert {(criterion.terms[k].name, len(criterion.terms[k].labels)) for k in members} == {("body", 2), ("table", 4)}
+    assert {label.axis for k in members - {body} for label in criterion.terms[k].labels} == {1}
+
+
+class NeverNegative(ByAxis):
+    name = "never negative"
+
+    def contrasts(self, labels):
+        return [{label: 1.0} for label in labels]
+
+
+def test_name_that_physics_refuses_once_another_is_withdrawn_goes_with_it():
+    """It could be positive on axis 2 beside a weak name alone; on axis 1 it is right, and corrections can be added."""
+    rng, n = np.random.default_rng(15), 600
+    (own, more), (weak, unknown), noise = rng.standard_normal((2, n)), rng.standard_normal((2, n)), 1.0
+    labels = (Parameter("x", 0), Parameter("x", 1))
+    zero = np.zeros(n)
+    mixed = more + 2.0 * weak
+    terms = [
+        Regressor(Term(NeverNegative(), labels), (np.c_[own, zero], np.c_[zero, mixed])),
+        Regressor(Term(Weak(), (Parameter("y"),)), (None, weak[:, None])),
+        Regressor(Term(Nameless(), (Parameter("z"),)), (None, unknown[:, None])),
+    ]
+    force = np.c_[20.0 * own, 2.0 * more - 4.0 * weak + 8.0 * unknown] + noise * rng.standard_normal((n, 2))
+    criterion = machine_of_two_axes(terms, NOISE * force, 2)
+    assert criterion.refused(frozenset({0, 1})) is None
+    assert criterion.refused(frozenset({0})) == (0, labels[1])
+    assert _possible(criterion, frozenset({0})) == {criterion.part(0, labels[:1])}
+    members = certain(criterion, Choice(frozenset({0, 1}), False), np.full(2, NOISE), {}).members
+    assert members == {criterion.part(0, labels[:1]), 2}
+
+
+def test_pruning_drops_what_costs_most_for_what_it_explains():
+    """A table of four coefficients on axis 1, or the one of a body that it is nearly: the body stays."""
+    criterion, (body, table, _) = bodies_and_tables(20.0)
+    members = _pruned(criterion, frozenset({body, table}))
+    assert body in members
+    assert {label.axis for k in members - {body} for label in criterion.terms[k].labels} == {1}
+
+
+def test_special_case_takes_an_axis_alone():
+    """An offset on axis 2, springs on 3 and 4, nothing on axis 1, where a spring was not to be seen at all."""
+    rng, n, axes = np.random.default_rng(16), 400, 4
+    springs, noise = rng.standard_normal((2, n, axes))
+    force = 20.0 * springs * (np.arange(axes) > 1) + 5.0 * (np.arange(axes) > 0) + noise
+    labels = tuple(Parameter(stem, axis) for axis in range(axes) for stem in "kc")
+    columns = np.zeros((axes, n, 2 * axes))
+    for axis in range(axes):
+        columns[axis, :, 2 * axis], columns[axis, :, 2 * axis + 1] = springs[:, axis], 1.0
+    terms = [
+        Regressor(Term(General(), labels[2:]), (None, *columns[1:, :, 2:])),
+        Regressor(Term(Simple(), labels[1::2]), tuple(columns[..., 1::2])),
+    ]
+    gram = Gram(terms, NOISE * force, np.ones((n, axes)), np.full(axes, NOISE**2), np.full(axes, float(n)))
+    criterion = Criterion([own.term for own in terms], gram, 2, {})
+    members = _simpler_axes(criterion, frozenset({0}))
+    found = {criterion.terms[k].name: {label.axis for label in criterion.terms[k].labels} for k in members}
+    assert found == {"general": {2, 3}, "simple": {1}}

@@ -4,7 +4,7 @@ score = sum over axes of m_i log(RSS_i / m_i) + rank log(sum m_i) + price of eac
 count as independent. A price stands for the number of terms that were tried. What physics refuses is impossible.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -55,6 +55,10 @@ class Criterion:
     def effects_of(self, members: Members) -> Members:
         return frozenset(k for k in members if self._whole[k] in self.effects)
 
+    def whole(self, k: int) -> int:
+        """The number of the term that term k is a part of."""
+        return self._whole[k]
+
     def part(self, k: int, labels: tuple[Parameter, ...]) -> int:
         """The number of a term that is term k with these of its labels only."""
         term = self.terms[k]
@@ -84,7 +88,7 @@ class Criterion:
             index = self.index(members)
             columns = gram.of(index)
             theta, covariance, rank = columns.solve()
-            if self._is_refused(members, index, theta, covariance) or self._cancels(members, columns, theta):
+            if any(self._refusals(members, index, theta, covariance)) or self._cancels(members, columns, theta):
                 return IMPOSSIBLE
             rss = np.maximum(columns.left(theta), 0.0)
         m = gram.independent
@@ -99,8 +103,16 @@ class Criterion:
         total, single = columns.energies(theta, np.cumsum([0, *sizes[:-1]]))
         return single > CANCELLATION * total
 
-    def _is_refused(self, members: Members, index, theta, covariance) -> bool:
-        """A coefficient that physics makes positive is clearly negative even with what the model has, or too large."""
+    def refused(self, members: Members) -> tuple[int, Parameter] | None:
+        """A term of the set with a coefficient that physics refuses; None where there is none."""
+        index = self.index(members)
+        theta, covariance, _ = self.gram.of(index).solve()
+        return next(self._refusals(members, index, theta, covariance), None)
+
+    def _refusals(self, members: Members, index, theta, covariance) -> Iterator[tuple[int, Parameter]]:
+        """Terms with a coefficient that physics makes positive and that is clearly negative even with what the model
+        has, or with one that is too large.
+        """
         position = {column: a for a, column in enumerate(index)}
         for k in members:
             labels, candidate = self.terms[k].labels, self.terms[k].candidate
@@ -112,10 +124,9 @@ class Criterion:
                         c[at[label]] = factor
                         allowed += factor * candidate.allowance(label, self.known)
                 if c @ theta + max(allowed, 0.0) < -NEGATIVE_Z * np.sqrt(max(c @ covariance @ c, TINY)):
-                    return True
+                    yield k, next(iter(contrast))
             for label in labels:
                 if np.isfinite(self.terms[k].limit(label)):
                     error = np.sqrt(max(covariance[at[label], at[label]], TINY))
                     if abs(theta[at[label]]) > self.terms[k].limit(label) + NEGATIVE_Z * error:
-                        return True
-        return False
+                        yield k, label

@@ -1,7 +1,7 @@
 """What the criterion alone does not say: which set to name, when physics is the whole story, what is ambiguous."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,10 +116,11 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray, imitable: M
     """The choice without names that could imitate a part of what no name accounts for.
 
     noise (k,): what no model made. Where effects leave more than REMAINDER times that, each has to account for
-    NAMED_BESIDE times what they leave of it, beside the other effects; the weakest goes first. An effect of single axes
-    is asked on each of them: what is unknown of a shoulder is no doubt about a wrist. imitable (k,), by name: the part
-    of what all effects leave that the effect could be a part of at all; a friction is no part of what is the same both
-    ways. Of what names leave that are withdrawn nothing like it is known: it counts whole.
+    NAMED_BESIDE times what they leave of it, beside the other effects; the weakest goes first, and before all others
+    those with as many coefficients on an axis as a table. An effect of single axes is asked on each of them: what is
+    unknown of a shoulder is no doubt about a wrist. imitable (k,), by name: the part of what all effects leave that the
+    effect could be a part of at all; a friction is no part of what is the same both ways. Of what names leave that are
+    withdrawn nothing like it is known: it counts whole.
     """
     members, floor = choice.members, criterion.gram.independent * np.square(noise)
     first = criterion.left_by_axis(criterion.effects_of(members))
@@ -131,40 +132,71 @@ def certain(criterion: Criterion, choice: Choice, noise: np.ndarray, imitable: M
         for k in sorted(effects):
             like_it = imitable.get(criterion.terms[k].name, every)
             doubts += _doubts(criterion, effects, k, left - first + first * like_it, floor * like_it)
-        worth, k, part = min(doubts, key=lambda own: own[0], default=(np.inf, 0, None))
-        if worth >= 1.0:
+        weak = [own for own in doubts if own.worth < 1.0]
+        if not weak:
             break
-        members = (members - {k}) | ({part} if part is not None else EMPTY)
+        weakest = min(weak, key=lambda own: (not own.is_of_table, own.worth))
+        members = (members - effects) | weakest.without
     if members == choice.members:
         return choice
-    effects = criterion.effects_of(members)
+    effects = _possible(criterion, criterion.effects_of(members))
+    members = (members - criterion.effects_of(members)) | effects
     members = climb(criterion, members, criterion.corrections, locked=effects)
     return Choice(members, choice.is_physics_whole and _is_whole(criterion, effects, members))
 
 
-def _doubts(criterion: Criterion, effects: Members, k: int, left: np.ndarray, floor: np.ndarray):
-    """What effect k accounts for beside the others, in parts of what it must, with the part of it that stays without
-    that (None: nothing): the whole, which must account for NAMED_BESIDE times what is unnamed. Of an effect of single
-    axes each axis where anything is: it must do the same there where the whole does not, or where it has as many
-    coefficients there as a table, which imitate much (then the noise may be as low as its estimate is sure to be); else
-    it must account for as much as is unnamed. left, floor (k,): of what it could be a part of.
+@dataclass(frozen=True)
+class _Doubt:
+    """What a name accounts for, whole or on an axis, in parts of what it must; the effects that stay without it;
+    is_of_table: it has as many coefficients there as a table.
+    """
+
+    worth: float
+    without: Members
+    is_of_table: bool = False
+
+
+def _doubts(criterion: Criterion, effects: Members, k: int, left: np.ndarray, floor: np.ndarray) -> list[_Doubt]:
+    """What effect k accounts for beside the others. The whole must account for NAMED_BESIDE times what is unnamed.
+
+    Of an effect of single axes each axis where anything is: it must do the same there where the whole does not, or
+    where it has as many coefficients there as a table, which imitate much: the noise may be as low as its estimate is
+    sure to be then, and what a name of the whole machine lost to it that has again. Else it must account for as much as
+    is unnamed. left, floor (k,): of what it could be a part of.
     """
     term, own, unnamed = criterion.terms[k], criterion.left(effects), np.maximum(left - floor, 0.0)
     whole = (criterion.left(effects - {k}) - own) / max(unnamed.sum(), TINY) / NAMED_BESIDE
     axes = Counter(label.axis for label in term.labels) if term.candidate.is_by_axis else {}
     if not axes:
-        return [(whole, k, None)]
+        return [_Doubt(whole, effects - {k})]
     out = []
     for axis, size in axes.items():
         kept = tuple(label for label in term.labels if label.axis != axis)
-        part = criterion.part(k, kept) if kept else None
-        fewer = (effects - {k}) | ({part} if kept else EMPTY)
         is_table = size >= AS_A_TABLE
+        others = _restored(criterion, effects - {k}) if is_table else effects - {k}
+        fewer = others | ({criterion.part(k, kept)} if kept else EMPTY)
         there = left[axis] - NOISE_AT_LEAST**2 * floor[axis] if is_table else unnamed[axis]
         if there > (REMAINDER**2 - 1.0) * floor[axis] or (is_table and there > 0.0):
             least = 1.0 if whole >= 1.0 and not is_table else NAMED_BESIDE
-            out.append(((criterion.left(fewer) - own) / there / least, k, part))
+            accounted = criterion.left(fewer) - criterion.left(others | {k})
+            out.append(_Doubt(accounted / there / least, fewer, is_table))
     return out
+
+
+def _possible(criterion: Criterion, effects: Members) -> Members:
+    """The effects without those, of single axes without these, that physics refuses where others were withdrawn."""
+    while effects and (refused := criterion.refused(effects)):
+        k, label = refused
+        kept = tuple(own for own in criterion.terms[k].labels if own.axis != label.axis)
+        is_part = kept and criterion.terms[k].candidate.is_by_axis
+        effects = (effects - {k}) | ({criterion.part(k, kept)} if is_part else EMPTY)
+    return effects
+
+
+def _restored(criterion: Criterion, effects: Members) -> Members:
+    """The effects, those of the whole machine with all their labels."""
+    whole = {k: criterion.whole(k) for k in effects}
+    return frozenset(k if criterion.terms[k].candidate.is_by_axis else j for k, j in whole.items())
 
 
 def alternatives(criterion: Criterion, choice: Choice) -> list[list[str]]:
@@ -254,7 +286,9 @@ def _is_trifle(criterion: Criterion, fewer: Members, members: Members, of_left: 
 
 
 def _simpler_axes(criterion: Criterion, members: Members) -> Members:
-    """On each axis by itself: simple effects in the place of a general one that gains next to nothing there."""
+    """On each axis by itself: simple effects, or its special case there alone, in the place of a general one that gains
+    next to nothing there.
+    """
     simple = [k for k in criterion.effects if criterion.terms[k].candidate.is_simple]
     general = [k for k in members if criterion.terms[k].candidate.special_case]
     for k in sorted(general):
@@ -265,11 +299,24 @@ def _simpler_axes(criterion: Criterion, members: Members) -> Members:
             if not kept:
                 break
             part = criterion.part(k, kept)
-            fewer = climb(criterion, (members - {k}) | {part}, simple)
+            rest = (members - {k}) | {part}
+            fewer = min((climb(criterion, rest, simple), *_specially(criterion, rest, k, axis)), key=criterion.score)
             is_as_good = criterion.score(fewer) <= criterion.score(members) + TIE
             if is_as_good and _is_trifle(criterion, fewer, members):
                 members, k = fewer, part
     return members
+
+
+def _specially(criterion: Criterion, members: Members, k: int, axis: int) -> Iterator[Members]:
+    """The set with the special case of effect k on an axis, beside the axes on which the set has that already."""
+    name = criterion.terms[k].candidate.special_case
+    present = {j for j in members if criterion.terms[j].name == name}
+    for whole in (j for j in criterion.effects if criterion.terms[j].name == name):
+        if all(criterion.whole(j) == whole for j in present):
+            axes = {axis, *(label.axis for j in present for label in criterion.terms[j].labels)}
+            labels = tuple(label for label in criterion.terms[whole].labels if label.axis in axes)
+            if labels:
+                yield (members - present) | {criterion.part(whole, labels)}
 
 
 def _by_direction(criterion: Criterion, members: Members) -> Members:
@@ -329,18 +376,23 @@ def _contain(criterion: Criterion, others: tuple[int, ...], j: int) -> bool:
 
 
 def _pruned(criterion: Criterion, members: Members) -> Members:
-    """Drop the axes (harmonics) of an effect that the data does not support; the effect keeps one at least.
-
-    The less usual effects first: what two of them share stays with the other.
+    """Drop the axes (harmonics) of effects that the data does not support, those first that cost most for what they
+    explain; an effect keeps one at least. What two effects share stays with the more usual one.
     """
-    for k in sorted(members, key=lambda k: (-criterion.terms[k].candidate.price, k)):
-        current = k
-        for group in criterion.terms[k].candidate.groups(criterion.terms[k].labels):
-            labels = criterion.terms[current].labels
-            kept = tuple(label for label in labels if label not in group)
-            if not kept or len(kept) == len(labels):
-                continue
-            smaller = (members - {current}) | {criterion.part(current, kept)}
-            if criterion.score(smaller) <= criterion.score(members) + SAME_SCORE:
-                members, current = smaller, criterion.part(current, kept)
+    while fewer := list(_without_a_group(criterion, members)):
+        least = min(score for score, _, _ in fewer)
+        if least > criterion.score(members) + SAME_SCORE:
+            break
+        _, _, members = min((own for own in fewer if own[0] <= least + SAME_SCORE), key=lambda own: own[1])
     return members
+
+
+def _without_a_group(criterion: Criterion, members: Members) -> Iterator[tuple[float, tuple[float, int], Members]]:
+    """Sets with a group of labels less: score, rank of the effect (the less usual first), members."""
+    for k in members:
+        candidate, labels = criterion.terms[k].candidate, criterion.terms[k].labels
+        for group in candidate.groups(labels):
+            kept = tuple(label for label in labels if label not in group)
+            if 0 < len(kept) < len(labels):
+                smaller = (members - {k}) | {criterion.part(k, kept)}
+                yield criterion.score(smaller), (-candidate.price, k), smaller
