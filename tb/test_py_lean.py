@@ -11,6 +11,7 @@ from gravcomp.core.cost import CoreCost
 from gravcomp.core.folder import folder_hash
 from gravcomp.core.formats import FixedNetwork
 from gravcomp.core.image import load_image
+from gravcomp.core.lean import _in_order
 from gravcomp.core.quantised import quantised
 from gravcomp.errors import InputError
 from gravcomp.network.activation import gamma
@@ -109,6 +110,23 @@ def test_cost_is_below_the_paper_s(lanes, interval, latency, multipliers):
 def test_counted_lean_form_is_the_network(network):
     position = MACHINE.robot.workspace(1, SEED)[0]
     np.testing.assert_allclose(lean_on_counted(network, position)[0], network.forces(position), rtol=1e-12)
+
+
+def test_columns_are_rounded_in_turn_and_the_others_fitted_again():
+    """Against least squares anew after each; a column of zeros, a neuron that is never active, gets no weight."""
+    rng, n, fraction, largest = np.random.default_rng(SEED), 7, 2, 6
+    a, y, order = rng.normal(size=(40, n + 1)), rng.normal(size=40), rng.permutation(n)
+    a[:, 3] = 0.0
+    wanted, rest, free = np.zeros(n + 1), y.copy(), list(range(n + 1))
+    for j in order:
+        fitted = np.linalg.lstsq(a[:, free], rest, rcond=None)[0][free.index(j)]
+        wanted[j] = np.clip(round(4 * fitted), -largest, largest) / 4
+        rest = rest - a[:, j] * wanted[j]
+        free.remove(j)
+    wanted[n] = rest @ a[:, n] / (a[:, n] @ a[:, n])
+    np.testing.assert_allclose(_in_order(a, y, order, fraction, largest), wanted, atol=1e-12)
+    assert wanted[3] == 0.0
+    assert (wanted[:n] != 0.0).any(), "nothing was left of the weights"
 
 
 def test_form_is_under_the_hash(tmp_path):

@@ -194,12 +194,19 @@ def _rounded(h: np.ndarray, effort_mn: np.ndarray, fixed: FixedNetwork) -> tuple
 
 def _in_order(a: np.ndarray, y: np.ndarray, order: np.ndarray, fraction: int, largest: int) -> np.ndarray:
     """Least squares of a x = y, all but the last unknown rounded one after the other, the others fitted again; none
-    with a code beyond the largest."""
-    x, free = np.linalg.lstsq(a, y, rcond=None)[0], list(range(a.shape[1]))
-    for j in order:
-        code = np.clip(np.rint(np.ldexp(x[j], fraction)), -largest, largest)
-        x[j] = np.ldexp(code, -fraction)
-        y = y - a[:, j] * x[j]
-        free.remove(j)
-        x[free] = np.linalg.lstsq(a[:, free], y, rcond=None)[0]
-    return x
+    with a code beyond the largest.
+
+    With the columns of a turned to a triangle in the opposite order, this is its back substitution, rounded (Babai's
+    nearest plane). A column that those not yet rounded can replace gets 0.
+    """
+    columns = np.r_[a.shape[1] - 1, order[::-1]]
+    triangle = np.linalg.qr(np.c_[a[:, columns], y], mode="r")
+    r, wanted = triangle[: len(columns), :-1], triangle[: len(columns), -1]
+    least = np.finfo(float).eps * len(a) * np.abs(r).max()
+    x = np.zeros(len(columns))
+    for i in range(len(columns) - 1, -1, -1):
+        if abs(r[i, i]) > least:
+            x[i] = (wanted[i] - r[i, i + 1 :] @ x[i + 1 :]) / r[i, i]
+        if i > 0:
+            x[i] = np.ldexp(np.clip(np.rint(np.ldexp(x[i], fraction)), -largest, largest), -fraction)
+    return x[np.argsort(columns)]
