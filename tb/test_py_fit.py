@@ -47,6 +47,23 @@ def test_effect_that_the_data_tell_is_not_pulled():
     assert fit.effects[0].parameters["b_1"] == pytest.approx(SLOPE, abs=4 * NOISE_N / np.sqrt(N))
 
 
+def test_what_stands_beside_a_fit_makes_no_sample_an_outlier():
+    """A wave of nine times the noise's size has tails of its own; with it beside, every sample has weight one: least
+    squares. Noise is even, +- NOISE_N, so that it has no tails.
+    """
+    data, rows = motion(), np.arange(N)
+    wave = 9.0 * NOISE_N * np.maximum(np.sin(17.0 * data.q), 0.0) ** 8
+    even = NOISE_N * np.random.default_rng(5).choice([-1.0, 1.0], (N, 1))
+    force, effects = SLOPE * data.v + wave + even, [term(ViscousFriction())]
+    plain = float(np.linalg.lstsq(data.v, force[:, 0], rcond=None)[0][0])
+    slopes = [
+        fit_terms(data, force, rows, effects, [], np.array([NOISE_N]), beside=beside).effects[0].parameters["b_1"]
+        for beside in (wave, 0.0)
+    ]
+    assert slopes[0] == pytest.approx(plain, rel=1e-9)
+    assert abs(slopes[1] - plain) > 1e-5 * plain
+
+
 FALL = {Parameter("fs", 0): -0.4, Parameter("fc", 0): -0.1, VS: 0.3}
 
 

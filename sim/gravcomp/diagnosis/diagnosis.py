@@ -402,9 +402,11 @@ def _fit(data: Measurement, before: np.ndarray, train: np.ndarray, blocks: np.nd
     together = [] if is_whole else plain
     if left_out.any() or [*simpler, *together] != [entry.term for entry in fit.entries]:
         fit = fitted(residual=before, effects=simpler, corrections=together, left_out=left_out)
-    if is_whole:
-        rest = before - fit.predict(data)
-        fit = Fit(fit.effects, fitted(residual=rest, effects=[], corrections=plain, left_out=left_out).corrections)
+    if is_whole and plain:
+        on_top = partial(fitted, effects=[], corrections=plain, left_out=left_out)
+        beside = on_top(residual=before - fit.predict(data)).predict(data)
+        fit = fitted(residual=before, effects=simpler, corrections=[], left_out=left_out, beside=beside)
+        fit = Fit(fit.effects, on_top(residual=before - fit.predict(data)).corrections)
     return fit
 
 

@@ -57,22 +57,25 @@ def fit_terms(
     noise: np.ndarray,
     left_out: np.ndarray | None = None,
     known: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
+    beside: np.ndarray | float = 0.0,
 ) -> Fit:
     """Fit all terms together on the given rows; noise (k,) weighs the axes; left_out (rows, k) has no weight; known:
-    parameters that the model has already, of which a change may take away.
+    parameters that the model has already, of which a change may take away; beside (n, k): a force that is not fitted
+    here, and that makes no sample an outlier.
     """
     if not effects and not corrections:
         return Fit()
     y, scale = residual[rows], np.maximum(noise, TINY)
     sure = (~data.is_undecided[rows]).astype(float)
     sure = sure if left_out is None else sure * ~left_out
-    weight = sure
+    weight, beside = sure, np.broadcast_to(beside, residual.shape)[rows]
     start = _linear_start(data, y, rows, effects, corrections, sure / scale)
     fixed = [term.columns(data)[rows] for term in corrections]
     for _ in range(HUBER_TURNS):
         solution = _solve(data, y, rows, effects, fixed, start, np.sqrt(weight) / scale, known)
-        spread = MAD_TO_SIGMA * np.median(np.abs(solution.left), axis=0) + TINY
-        weight = sure * np.minimum(1.0, HUBER * spread / np.maximum(np.abs(solution.left), TINY))
+        size = np.abs(solution.left - beside)
+        spread = MAD_TO_SIGMA * np.median(size, axis=0) + TINY
+        weight = sure * np.minimum(1.0, HUBER * spread / np.maximum(size, TINY))
         start = solution.values
     return _entries(effects, corrections, solution, solution.left / scale * np.sqrt(weight))
 
