@@ -32,7 +32,7 @@ def test_report_refuses_a_missing_or_damaged_run_in_one_line(command, name, dama
 def test_picture_of_a_damaged_waveform_is_refused(tmp_path):
     (tmp_path / "run.vcd").write_text("nonsense")
     with pytest.raises(InputError, match=r"run.vcd: no waveform of a run, or a damaged one"):
-        run_picture(tmp_path / "run.vcd", 3, FORCE_BITS)
+        run_picture(tmp_path / "run.vcd", 3, FORCE_BITS, "N")
 
 
 def test_simulation_without_rtl_is_refused_in_one_line(tmp_path, capsys):

@@ -39,7 +39,9 @@ def test_motion_of_a_shipped_machine_through_its_encoder_pins_equals_the_model(n
     steps = np.abs(np.diff(run.count, axis=0))
     assert steps.max(axis=0).min() > 0
     assert steps.max() <= MOST_COUNTS
-    figure = run_picture(tmp_path / "run.vcd", content.machine.n_axes, FORCE_BITS)
+    figure = run_picture(tmp_path / "run.vcd", content.machine.n_axes, FORCE_BITS, content.machine.effort_unit)
+    units = {"slide": "mN", "ur5": "mNm"}
+    assert figure.axes[1].get_ylabel() == f"change of the forces, {units[name]}"
     labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert labels == [f"axis {k}" for k in range(1, content.machine.n_axes + 1)]
 

@@ -31,7 +31,7 @@ def run(arguments):
         motion = motion_run(arguments.rtl, build, arguments.weights, vcd)
         bar.update()
         poses = pose_run(arguments.rtl, build, arguments.weights)
-    save_figure(run_picture(vcd, fixed.n_axes, FORCE_BITS), folder / "run.png")
+    save_figure(run_picture(vcd, fixed.n_axes, FORCE_BITS, machine.effort_unit), folder / "run.png")
     save_figure(error_picture(fixed, machine), folder / "error_maps.png")
     print("Simulated VHDL (gc_force_path, from its encoder pins) against the bit-true model and the statics; E is the")
     print("error of a pose against the statics, a vector over the axes, F the statics' forces:\n")

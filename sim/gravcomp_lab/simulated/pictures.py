@@ -85,10 +85,11 @@ def _error_norm(fixed, machine, azimuth, tilt_deg, torsion_deg) -> np.ndarray:
     return np.linalg.norm(bittrue.core(counts, fixed).force_mn / 1000.0 - statics_n, axis=-1)
 
 
-def run_picture(vcd: Path, n_axes: int, force_bits: int):
+def run_picture(vcd: Path, n_axes: int, force_bits: int, unit: str):
     """A run of gc_force_path from its VCD: counts and forces of the whole run, pins and handshake of one inference.
 
-    Returns a Matplotlib figure. Raises InputError when there is no such VCD, or a damaged one.
+    unit: of the efforts, N, Nm, or both where the axes differ. Returns a Matplotlib figure. Raises InputError when
+    there is no such VCD, or a damaged one.
     """
     from matplotlib.figure import Figure
 
@@ -97,12 +98,13 @@ def run_picture(vcd: Path, n_axes: int, force_bits: int):
         results = waves.rises("out_valid")
     except (OSError, ValueError, KeyError):
         raise InputError(f"{vcd}: no waveform of a run, or a damaged one; start `make sim` first") from None
+    milli = " or ".join(f"m{one}" for one in unit.split(" or "))
     figure = Figure(figsize=(12, 7), layout="constrained")
     left, right = figure.add_gridspec(1, 2)
     left, right = left.subgridspec(3, 1, height_ratios=(3, 3, 1)), right.subgridspec(5, 1)
     counts = figure.add_subplot(left[0], title="the run", ylabel="change of the encoder counts")
     _plot_axes(counts, waves, "sts_count", n_axes, 32, results[0])
-    forces = figure.add_subplot(left[1], sharex=counts, ylabel="change of the forces, mN")
+    forces = figure.add_subplot(left[1], sharex=counts, ylabel=f"change of the forces, {milli}")
     _plot_axes(forces, waves, "out_force", n_axes, force_bits, results[0])
     ticks = figure.add_subplot(left[2], sharex=counts, yticks=[], ylabel="results", xlabel="time, ms")
     ticks.vlines(results, 0, 1, color="black")
@@ -124,7 +126,7 @@ def run_picture(vcd: Path, n_axes: int, force_bits: int):
             axes.set_title("one inference: pins rest, counts in, forces out")
     times, values = waves.signal("out_force", lambda word: _field(word, shown_axis, force_bits))
     shown = [value for time, value in zip(times, values, strict=True) if abs(time - middle) < 1.5]
-    axes = figure.add_subplot(right[4], xlim=window, ylabel=f"force {shown_axis + 1}, mN", xlabel="time, ms")
+    axes = figure.add_subplot(right[4], xlim=window, ylabel=f"force {shown_axis + 1}, {milli}", xlabel="time, ms")
     axes.step(times, values, where="post", color=AXIS_COLOURS[shown_axis])
     axes.set_ylim(min(shown) - 10, max(shown) + 10)
     return figure
