@@ -126,6 +126,15 @@ def test_ranges_of_a_urdf_are_asked_for_where_it_has_none_and_its_joints_do_not_
     assert tomllib.loads(wide)["high"] == 6.2832
 
 
+@pytest.mark.parametrize(("kind", "unit"), [("revolute", "rad"), ("prismatic", "m")])
+@pytest.mark.parametrize("end", ["1e16", "1e30"])
+def test_limits_that_stand_for_none_are_asked_for(tmp_path, kind, unit, end):
+    (tmp_path / "a.urdf").write_text(urdf(f'{kind} <limit lower="-{end}" upper="{end}" effort="1" velocity="1"/>'))
+    text = draft_toml(tmp_path / "a.urdf")
+    assert f"#? low =                        # {unit}: the file has no limits" in text
+    assert "#? high =" in text
+
+
 def test_name_space_of_xacro_alone_does_not_make_a_source_of_it(tmp_path):
     text = urdf(f"revolute {LIMIT}").replace('name="r"', 'name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"')
     (tmp_path / "a.urdf").write_text(text)

@@ -6,6 +6,7 @@ at rest: N on a slide, N m on a hinge. Positions are those of the file's joints.
 of an axis stand still.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -33,6 +34,7 @@ from gravcomp.robot.ranges import (
 from gravcomp.robot.search import effort_bounds
 
 UNITS = {SLIDE: "m", HINGE: "rad"}
+_WIDEST = {"m": 1e4, "rad": 2e3 * math.pi}  # range of an axis: ten kilometres, a thousand turns
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,10 +300,11 @@ def _joint(tree: Tree, axis: Mapping, where: str) -> int:
 
 
 def joint_limits(tree: Tree, joint: int) -> Limits:
-    """What the file says of a hinge or slide."""
-    m = tree.model
+    """What the file says of a hinge or slide; ends as far apart as in no machine, such as 1e16, stand for none."""
+    m, unit = tree.model, UNITS[int(tree.model.jnt_type[joint])]
     low, high = (float(value) for value in m.jnt_range[joint])
-    return Limits(UNITS[int(m.jnt_type[joint])], Range(low, high) if m.jnt_limited[joint] and low < high else None)
+    is_range = m.jnt_limited[joint] and 0.0 < high - low < _WIDEST[unit]
+    return Limits(unit, Range(low, high) if is_range else None)
 
 
 def zero_pose(tree: Tree) -> np.ndarray:
