@@ -122,6 +122,8 @@ def test_campaign_holds_the_orientations_of_its_file(limits, tmp_path, monkeypat
         assert command(board, limits, out, "--poses", "9", "--resume") == 2
     assert "orientations is" in one_line(capsys)
     for campaign in seen:
+        entries = campaign.plan.entries()
+        assert entries == json.loads(json.dumps(entries)), "campaign.json says what its reader gets"
         holds = np.array([step.pose for step in campaign.steps if step.kind == "hold"])
         np.testing.assert_allclose(holds, MACHINE.drive.counts(positions_at(MACHINE, angles, "")), atol=1)
     assert json.loads((out / "plan.json").read_text())["orientations"] == angles.tolist()

@@ -24,7 +24,7 @@ from gravcomp_lab.cosim.world import World
 from runner import BUILD, ROOT
 
 STIFFNESS_N_PER_M, FREE_M = 60.0, 0.21
-PLAN = Plan(poses=8, legs=2, seed=4, speed=0.08)
+PLAN = Plan(poses=8, legs=4, seed=4, speed=0.08)  # one leg alone leaves the spring 6 % of its stiffness
 STEP_CLOCKS = 80  # one axis needs fewer
 INERTIA = {"inertia"}  # which the robot has, and the legs of so short a campaign show
 # A tenth of a metre: a campaign in a minute of the robot's time.
@@ -101,7 +101,7 @@ def test_a_campaign_goes_on_after_a_cut_line_and_tells_what_is_missing(core, tmp
     assert world.engaged == 2  # before it diagnoses and at the end, by the campaign itself
     assert content == json.loads((out / "campaign.json").read_text())
     lines = [json.loads(line) for line in (out / "journal.jsonl").read_text().splitlines()]
-    assert [line["step"] for line in lines if line["phase"] == BEFORE] == list(range(10))
+    assert [line["step"] for line in lines if line["phase"] == BEFORE] == list(range(PLAN.poses + PLAN.legs))
     assert [line["sitting"] for line in lines[:5]] == [0, 0, 0, 1, 1]
 
     found = named(content)

@@ -56,6 +56,10 @@ class Plan:
     speed: float = 0.025
     orientations: tuple[tuple[float, ...], ...] = ()
 
+    def entries(self) -> dict:
+        """What a file of JSON holds of it, as it is read back."""
+        return {**asdict(self), "orientations": [list(angles) for angles in self.orientations]}
+
 
 class Campaign:
     """A campaign on a board with gc_motion, in a folder.
@@ -95,8 +99,7 @@ class Campaign:
 
     def _claim(self, resume: bool) -> None:
         """Write the plan into the folder, or see that it is the one that stands there."""
-        asked = {**asdict(self.plan), "machine": self.machine.name, "hash": folder_hash(self.robot, self.machine)}
-        asked["orientations"] = [list(angles) for angles in self.plan.orientations]  # as JSON reads it back
+        asked = {**self.plan.entries(), "machine": self.machine.name, "hash": folder_hash(self.robot, self.machine)}
         path = self.out / PLAN
         if not path.exists():
             if resume:
@@ -219,7 +222,7 @@ class Campaign:
             "schema": 1,
             "machine": {"name": self.machine.name, "hash": folder_hash(self.robot, self.machine)},
             "unit": self.machine.effort_unit,
-            "plan": asdict(self.plan),
+            "plan": self.plan.entries(),
             "poses": sum(step.kind == HOLD for step in self.steps),
             "held_out": len(self.held_out),
             "between": {"steps": len(self.between_steps), "why": self.why_between} if self.why_between else None,

@@ -88,7 +88,7 @@ def blind_campaign(library: Path, folder: Path, out: Path, plan: Plan, seed: int
     sealed = {effect.name: effect.parameters() for effect in effects} or {"none": {}}
     write_atomically(out / "sealed.json", json.dumps(sealed, indent=2) + "\n")
     truth, params = next(iter(sealed.items()))
-    # The campaign engages them itself when it has measured: once before it diagnoses, once at the end.
+    # The campaign engages them itself whenever it has measured a phase: before it diagnoses, and at the end.
     ordered = len({entry.phase for entry in campaign.journal.entries if entry.sitting == campaign.journal.sitting})
     return Outcome(seed, truth, params, report, world.steps, world.engaged - ordered, clocks, wall_s, cpu_s)
 
