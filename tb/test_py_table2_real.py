@@ -1,16 +1,20 @@
 """The paper's Table 2 on a real machine: its figures, its rows on made holds, the command and what it refuses."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from gravcomp.diagnosis.diagnosis import diagnose
+from gravcomp.diagnosis.model import Model
 from gravcomp.logs.measurement import Measurement
 from gravcomp.robot.machine import load_machine
 from gravcomp_lab.__main__ import main
 from gravcomp_lab.paper import table2_real as real
 from gravcomp_lab.paper.table2 import ANALYTIC, FIELD
 from mechanisms import WEIGHTS
+from support.published import published
 
 ROWS = [ANALYTIC, FIELD, real.TUNED, real.FOUND]
 
@@ -23,6 +27,21 @@ def made_holds(n=160) -> Measurement:
     f = robot.forces(q)
     measured = f + 0.2 * robot.payload_regressors(q)[..., 0] + 0.3 * np.sign(v) + 0.02 * rng.standard_normal(q.shape)
     return Measurement("made", 2.0 * np.arange(n), q, v, measured, f, "Nm", ("rad",) * 2, None, robot.forces, robot)
+
+
+def test_400_holds_of_the_real_arm_have_cables_where_the_arm_has_them():
+    """Elastic cables on joints 4 and 5, weights that the model lacks on 2 and 3; 16 mNm of 250 are left, held out.
+    With this draw the weight of the upper arm was a cable on joint 2.
+    """
+    folder = Path(published(str(real.HOLDS))).parents[1]
+    machine = load_machine(WEIGHTS / "dvrk_mtm")
+    holds = real.read_holds(folder, machine)
+    own = real.rows_of(holds, np.sort(np.random.default_rng(3).permutation(len(holds.t_s))[:400]))
+    found = diagnose(own, Model(machine), 3)
+    axes = {e.name: {name.axis + 1 for name in e.parameters if name.axis is not None} for e in found.fit.effects}
+    assert "body_moment" in axes
+    assert axes["nonlinear_cable_spring"] == {4, 5}
+    assert np.sqrt(np.mean(found.after[found.is_test] ** 2)) <= 0.016
 
 
 def test_errors_are_those_of_the_paper_and_in_percent_of_the_rms_effort():

@@ -43,6 +43,7 @@ LEAK = 0.9  # correlation of the deviation from a place with the effort; 0.999 o
 SIGN_GAIN = (-1.5, -0.67)  # effort over model: nearer -1 than any other reading
 SLOW_SHARE = 0.4  # of the samples of an axis at a reversal somewhere in the machine: with more too few are left
 TWO_VALUED = 4.5  # inner deviations between two means: 2.7 for a Gaussian, 3.5 for an even spread
+TWO_VALUED_SIDE = 0.15  # of the samples at either value at least: a few on one side are outliers; not measured
 GROSS_SIDE = 4  # samples looked at on either side along time
 GROSS_NEAR = 12  # samples looked at in pose, of which the two most extreme on either side do not count
 UNIT_FIT = 0.9  # correlation of v with dq/dt from which their ratio means something
@@ -68,6 +69,9 @@ STUCK_LEAP, STUCK_USUAL = 3.0, 0.95  # usual large steps: a turning point of a c
 TEST_SHARE = 0.25  # as usual: the error of 25 % of a log is known to 1/sqrt(n/2)
 MOST_HELD_OUT = 0.5  # of the samples, where a single block is larger than that share
 FEWEST_PLACES = 10  # distinct poses that a fit must have seen
+BLOCKS = 8, 40  # fewest: two of them are TEST_SHARE; most: more would be held out in pieces too small; not measured
+BLOCK_ROWS, CLUSTER_ROWS = 25, 12  # of a motion, of scattered holds: 200 and 96 have the fewest blocks; not measured
+MOSTLY_HOLDS = 0.3  # of the rows in motion: fewer are stretches between holds
 REPEATED = 0.7  # fewer poses than this part of the rows: they were held again
 
 # The noise that no model made, and what the remainder may be

@@ -6,7 +6,16 @@ import numpy as np
 
 from gravcomp.diagnosis.samples.outliers import spread
 from gravcomp.diagnosis.samples.timing import put_right
-from gravcomp.diagnosis.thresholds import LEAK, SIGN_GAIN, TINY, TWO_VALUED, UNIT_FIT, UNIT_NEAR, UNIT_RIGHT
+from gravcomp.diagnosis.thresholds import (
+    LEAK,
+    SIGN_GAIN,
+    TINY,
+    TWO_VALUED,
+    TWO_VALUED_SIDE,
+    UNIT_FIT,
+    UNIT_NEAR,
+    UNIT_RIGHT,
+)
 from gravcomp.logs.measurement import Measurement, velocity_from_position
 
 _FACTORS = {1000.0: "a thousand times", 1e-3: "a thousandth of", 180.0 / np.pi: "in degrees, 57.3 times",
@@ -142,10 +151,10 @@ def two_valued(residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         cut = np.median(r)
         for _ in range(10):
             up = r > cut
-            if not 0.15 < up.mean() < 0.85:
+            if not TWO_VALUED_SIDE < up.mean() < 1.0 - TWO_VALUED_SIDE:
                 break
             cut = (r[up].mean() + r[~up].mean()) / 2.0
-        if not 0.15 < up.mean() < 0.85:
+        if not TWO_VALUED_SIDE < up.mean() < 1.0 - TWO_VALUED_SIDE:
             continue
         apart = r[up].mean() - r[~up].mean()
         inner = np.sqrt((r[up].var() * up.sum() + r[~up].var() * (~up).sum()) / len(r))

@@ -3,7 +3,16 @@
 import numpy as np
 from sklearn.cluster import KMeans
 
-from gravcomp.diagnosis.thresholds import FEWEST_PLACES, MOST_HELD_OUT, REPEATED, TEST_SHARE
+from gravcomp.diagnosis.thresholds import (
+    BLOCK_ROWS,
+    BLOCKS,
+    CLUSTER_ROWS,
+    FEWEST_PLACES,
+    MOST_HELD_OUT,
+    MOSTLY_HOLDS,
+    REPEATED,
+    TEST_SHARE,
+)
 from gravcomp.errors import InputError
 from gravcomp.logs.measurement import Measurement
 
@@ -15,11 +24,11 @@ def block_labels(data: Measurement, seed: int) -> np.ndarray:
     """
     n = len(data.t_s)
     poses, of, count = np.unique(data.poses, axis=0, return_inverse=True, return_counts=True)
-    is_repeated = len(poses) < REPEATED * n and data.is_motion.mean() < 0.3
+    is_repeated = len(poses) < REPEATED * n and data.is_motion.mean() < MOSTLY_HOLDS
     if (data.is_ordered and not is_repeated) or len(poses) < 2 * FEWEST_PLACES:
-        return (np.arange(n) * int(np.clip(n // 25, 8, 40))) // n
+        return (np.arange(n) * int(np.clip(n // BLOCK_ROWS, *BLOCKS))) // n
     scale = np.where(np.ptp(poses, axis=0) > 0, np.ptp(poses, axis=0), 1.0)
-    n_clusters = min(int(np.clip(n // 12, 8, 40)), len(poses) // 2)
+    n_clusters = min(int(np.clip(n // CLUSTER_ROWS, *BLOCKS)), len(poses) // 2)
     own = KMeans(n_clusters, n_init=1, random_state=seed).fit_predict(poses / scale, sample_weight=count)
     return own[of.ravel()]
 
