@@ -156,6 +156,11 @@ bitstream: setup ## a bitstream: BOARD=ulx3s-85f (BOARD=list names all), WEIGHTS
 guards: setup ## cells of the safety chain with its guards off and on; docs/guide/safety.md
 	@$(LAB) guards --docs docs/guide
 
+synth-tops: setup ## area and both clocks of whole tops, ports on scan chains, or of TOP=gc_system with LANES, FORM, LOADABLE=1, SPEEDS, SEEDS
+	@$(LAB) synth-top --weights "$(WEIGHTS)" $(if $(TOP),--top $(TOP) $(if $(LANES),--lanes $(LANES)) \
+	   $(if $(FORM),--form $(FORM)) $(if $(LOADABLE),--loadable),$(if $(filter weights/spheiro,$(WEIGHTS)),--docs docs/measured)) \
+	   $(if $(SPEEDS),--speeds $(SPEEDS)) $(if $(SEEDS),--seeds $(SEEDS))
+
 synth-all: setup ## the same with 1, 2, 4, 5, 10 and 20 lanes
 	@$(LAB) synth --lanes 1 2 4 5 10 20 --docs docs/measured
 

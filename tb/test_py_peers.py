@@ -16,7 +16,7 @@ from gravcomp.network.activation import gamma
 from gravcomp.network.weights import load_network
 from gravcomp_lab import pages
 from gravcomp_lab.peers import claims, design, jitter, measure, ours
-from gravcomp_lab.synthesis.place_route import PlacedDesign
+from gravcomp_lab.synthesis.place_route import PlacedClock, PlacedDesign
 from machines import MACHINE
 from runner import BUILD, simulate
 
@@ -66,7 +66,9 @@ def test_row_takes_the_best_clock_of_each_speed():
     peer = design.PeerDesign("x", "peer", Path(), 1, 8, 7, 0.0, "")
     used = {"TRELLIS_COMB": 5, "TRELLIS_FF": 6}
     clocks = ((6, 50.0), (6, 54.0), (8, 73.0), (8, 72.0))
-    row = measure.row(peer, [(speed, PlacedDesign(clock, "", "", 0.0, used)) for speed, clock in clocks])
+    row = measure.row(
+        peer, [(speed, PlacedDesign({"clk": PlacedClock(clock, "", "", 0.0)}, used)) for speed, clock in clocks]
+    )
     assert row.clock_mhz == {6: 54.0, 8: 73.0}
     assert (row.n_seeds, row.comb, row.mult) == (2, 5, 0)
 

@@ -8,8 +8,10 @@ import os
 import pytest
 
 from gravcomp.core.cost import CoreCost
-from gravcomp_lab.synthesis.place_route import PlacedDesign
+from gravcomp_lab.synthesis.around import scan_cells, scanned
+from gravcomp_lab.synthesis.place_route import PlacedClock, PlacedDesign
 from gravcomp_lab.synthesis.small_parts import (
+    CLOCK,
     PARTS,
     TOPS,
     SmallResult,
@@ -55,14 +57,14 @@ def test_pinned_cells_are_two_blocks_for_the_product_and_memories_for_words_and_
 @pytest.mark.slow
 def test_core_fits_a_up5k_at_its_clock(tmp_path):
     """At most 800 logic cells and 2 multipliers, at least 40 MHz, at most 5 us; a seed's clock is 5 % off another's."""
-    scanned = netlist("ice40", tmp_path, scanned=True)
-    placed = place_small(scanned, UP5K, 1, tmp_path / "placed")
-    result = SmallResult("gc_core_serial", UP5K, 149, chain_cells(scanned, UP5K), (placed,))
+    chained = netlist("ice40", tmp_path, around=scanned(CLOCK))
+    placed = place_small(chained, UP5K, 1, tmp_path / "placed")
+    result = SmallResult("gc_core_serial", UP5K, 149, chain_cells(chained, UP5K), (placed,))
     assert result.chain_cells == sum(PORT_BITS.values())
     assert result.logic <= 800
     assert result.used(UP5K.multiplier) <= 2
-    assert placed.clock_mhz >= 40
-    assert result.latency / placed.clock_mhz <= 5
+    assert placed.clock.mhz >= 40
+    assert result.latency / placed.clock.mhz <= 5
 
 
 @pytest.mark.slow
@@ -70,8 +72,8 @@ def test_pins_to_currents_fit_a_up5k(tmp_path):
     """Three decoders, the network, a current per axis, with the chain at their ports."""
     (path,) = (top for top in TOPS if top.entity == "gc_force_path")
     _, generated = shipped_in("serial")
-    scanned = small_netlist(rtl_sources(RTL, generated), path, UP5K, tmp_path)
-    used = place_small(scanned, UP5K, 1, tmp_path / "placed").used
+    chained = small_netlist(rtl_sources(RTL, generated), path, UP5K, tmp_path)
+    used = place_small(chained, UP5K, 1, tmp_path / "placed").used
     assert used["ICESTORM_LC"] <= UP5K.available
     assert used[UP5K.multiplier] <= 8
 
@@ -87,22 +89,24 @@ def test_clocks_from_pins_are_those_of_the_header():
 @pytest.mark.slow
 @pytest.mark.parametrize("part", [GW1N, GW2A], ids=lambda part: part.name)
 def test_core_is_placed_on_gowin(part, tmp_path):
-    placed = place_small(netlist(part.target, tmp_path, scanned=True), part, 1, tmp_path / "placed")
+    placed = place_small(netlist(part.target, tmp_path, around=scanned(CLOCK)), part, 1, tmp_path / "placed")
     assert placed.used[part.multiplier] == 1
-    assert placed.clock_mhz >= 40
+    assert placed.clock.mhz >= 40
 
 
 def test_chain_shifts_through_every_port_and_captures_the_outputs(tmp_path):
     """A flip-flop per bit of every port; the ports of the top are four."""
-    bare, scanned = netlist("generic", tmp_path / "bare"), netlist("generic", tmp_path / "scanned", scanned=True)
-    assert (scanned.scanned_inputs, scanned.scanned_outputs) == tuple(PORT_BITS.values())
-    assert scanned.port_bits() == 4
-    assert (bare.scanned_inputs, bare.scanned_outputs) == (0, 0)
+    chained = netlist("generic", tmp_path, around=scanned(CLOCK))
+    inputs, outputs = PORT_BITS.values()
+    assert scan_cells(chained.ports, CLOCK) == (outputs, inputs + outputs)
+    assert chained.port_bits() == 4
 
 
 def test_table_tells_cells_without_the_chain_and_time_at_the_median():
     placed = [
-        PlacedDesign(mhz, "a", "b", 1.0, {"ICESTORM_LC": 700, "ICESTORM_DSP": 2, "ICESTORM_RAM": 6})
+        PlacedDesign(
+            {"clk": PlacedClock(mhz, "a", "b", 1.0)}, {"ICESTORM_LC": 700, "ICESTORM_DSP": 2, "ICESTORM_RAM": 6}
+        )
         for mhz in (40.0, 50.0, 60.0)
     ]
     result = SmallResult("gc_x", UP5K, 150, 172, tuple(placed))
@@ -111,6 +115,7 @@ def test_table_tells_cells_without_the_chain_and_time_at_the_median():
 
 
 def test_gowin_counts_carry_cells_and_no_lonely_flip_flop(tmp_path):
-    scanned = Netlist("scanned", {}, tmp_path, tmp_path, 98, 80)
-    assert (chain_cells(scanned, GW1N), chain_cells(scanned, UP5K)) == (80, 178)
+    ports = {"in_count": ("input", 98), "out_force": ("output", 80), "clk": ("input", 1)}
+    chained = Netlist("around", {}, tmp_path, tmp_path, ports)
+    assert (chain_cells(chained, GW1N), chain_cells(chained, UP5K)) == (80, 178)
     assert GW1N.logic == ("LUT4", "ALU")

@@ -61,7 +61,7 @@ def measure(design: PeerDesign, speeds: Sequence[int], seeds: Sequence[int], pro
 def row(design: PeerDesign, placed: Sequence[tuple[int, PlacedDesign]]) -> PeerRow:
     """The best clock of all placements at each speed grade, with the cells of the first one."""
     used, speeds = placed[0][1].used, sorted({speed for speed, _ in placed})
-    best = {speed: max(found.clock_mhz for grade, found in placed if grade == speed) for speed in speeds}
+    best = {speed: max(found.clock.mhz for grade, found in placed if grade == speed) for speed in speeds}
     return PeerRow(
         name=design.name,
         comb=used["TRELLIS_COMB"],

@@ -21,14 +21,27 @@ _TIMING_WEIGHT = 30
 
 
 @dataclass(frozen=True)
-class PlacedDesign:
-    """What one run reached: the clock, the ends of its slowest path between two registers, cells used by type."""
+class PlacedClock:
+    """What a clock reached, and the ends and delay of its slowest path between two registers."""
 
-    clock_mhz: float
+    mhz: float
     path_from: str
     path_to: str
     path_ns: float
+
+
+@dataclass(frozen=True)
+class PlacedDesign:
+    """What one run reached: its clocks by the port that each comes in at, and cells used by type."""
+
+    clocks: dict[str, PlacedClock]
     used: dict[str, int]
+
+    @property
+    def clock(self) -> PlacedClock:
+        """The clock of a design that has one."""
+        (clock,) = self.clocks.values()
+        return clock
 
 
 def prepare() -> None:
@@ -89,14 +102,24 @@ def run_nextpnr(
 def read_report(report: Path) -> PlacedDesign:
     """The result in a report of nextpnr."""
     found = json.loads(report.read_text())
-    ((clock, reached),) = found["fmax"].items()
-    path = next(path for path in found["critical_paths"] if path["from"] == path["to"] == f"posedge {clock}")["path"]
+    paths = {path["from"]: path["path"] for path in found["critical_paths"] if path["from"] == path["to"]}
     return PlacedDesign(
-        clock_mhz=reached["achieved"],
+        clocks={_port(net): _clock(of["achieved"], paths[f"posedge {net}"]) for net, of in found["fmax"].items()},
+        used={name: cell["used"] for name, cell in found["utilization"].items() if cell["used"]},
+    )
+
+
+def _port(net: str) -> str:
+    """The port from which the net of a clock comes: nextpnr puts buffers between, which its names tell."""
+    return net.removeprefix("$glbnet$").split("$")[0]
+
+
+def _clock(mhz: float, path: list[dict]) -> PlacedClock:
+    return PlacedClock(
+        mhz=mhz,
         path_from=path[0]["from"]["cell"],
         path_to=path[-1]["to"]["cell"],
         path_ns=sum(part["delay"] for part in path),
-        used={name: cell["used"] for name, cell in found["utilization"].items() if cell["used"]},
     )
 
 

@@ -12,12 +12,14 @@ from gravcomp.core.quantised import quantised
 from gravcomp.facts import CURRENT_SCALER_CLOCKS
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
+from gravcomp_lab.synthesis.around import scan_cells, scanned
 from gravcomp_lab.synthesis.place_route import PlacedDesign, read_report, run_tool
 from gravcomp_lab.synthesis.survey import machine_sources
 from gravcomp_lab.synthesis.verilog import to_verilog
 from gravcomp_lab.synthesis.yosys import Netlist, synthesise
 
 SEEDS = (1, 2, 3)
+CLOCK = {"clk": ()}  # of every port
 # MHz asked for: out of reach, so that the tool does its best.
 _GOAL_MHZ = 200
 
@@ -45,7 +47,7 @@ class SmallPart:
 
 def _gowin(name: str, target: str, device: str, family: str, available: int, pins: Sequence[str]) -> SmallPart:
     options = ("--device", device, "--vopt", f"family={family}", "--vopt", "cst=pins.cst", "--write", "placed.json")
-    names = dict(zip(("clk", "scan_in", "capture", "scan_out"), pins, strict=True))
+    names = dict(zip(("clk", "clk_in", "take", "clk_out"), pins, strict=True))
     cells = {"logic": ("LUT4", "ALU"), "multiplier": "MULT18X18", "memory": "BSRAM"}
     return SmallPart(name, target, "nextpnr-himbaechel-gowin", options, available=available, pins=names, **cells)
 
@@ -117,7 +119,7 @@ class SmallResult:
 
     @property
     def clock_mhz(self) -> list[float]:
-        return [placed.clock_mhz for placed in self.placed]
+        return [placed.clock.mhz for placed in self.placed]
 
 
 def small_survey(rtl: Path, build: Path, weights: Path) -> list[SmallResult]:
@@ -144,13 +146,14 @@ def small_survey(rtl: Path, build: Path, weights: Path) -> list[SmallResult]:
 def small_netlist(sources: Sequence[Path], top: SmallTop, part: SmallPart, out: Path) -> Netlist:
     """A top, its ports on a chain, synthesised for a part; files go to folder out."""
     verilog = to_verilog(sources, top.entity, top.generics, out / f"{top.entity}.v")
-    return synthesise(verilog, top.entity, part.target, out, scanned=True, open_ports=top.open_ports)
+    return synthesise(verilog, top.entity, part.target, out, around=scanned(CLOCK), open_ports=top.open_ports)
 
 
 def chain_cells(netlist: Netlist, part: SmallPart) -> int:
     """Cells of logic that the chain of a scanned netlist takes: one per output, which it captures, and one per input
     where a flip-flop alone takes one."""
-    return netlist.scanned_outputs + (netlist.scanned_inputs if part.chain else 0)
+    luts, flip_flops = scan_cells(netlist.ports, CLOCK)
+    return flip_flops if part.chain else luts
 
 
 def place_small(netlist: Netlist, part: SmallPart, seed: int, out: Path) -> PlacedDesign:

@@ -16,6 +16,7 @@ from gravcomp.parallel import executor
 from gravcomp_lab.benches.core import core_run
 from gravcomp_lab.shipped import SPHEIRO
 from gravcomp_lab.synthesis import place_route
+from gravcomp_lab.synthesis.around import registered
 from gravcomp_lab.synthesis.place_route import PlacedDesign, place_and_route
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 from gravcomp_lab.synthesis.yosys import Netlist, synthesise
@@ -73,10 +74,10 @@ def survey(
         bar.update()
         todo = product(TARGETS, sorted(lanes, reverse=True))
         mapping = rtl / MULTIPLIER
-        netlists = dict(_finish(bar, [pool.submit(_netlist, *case, sources, mapping, folder) for case in todo]))
+        netlists = dict(finish(bar, [pool.submit(_netlist, *case, sources, mapping, folder) for case in todo]))
         parts = {n: part_of(netlists["ecp5", n].cells, netlists["ecp5", n].port_bits()) for n in lanes}
         runs = [pool.submit(_place, case, netlists["ecp5", case[0]], parts[case[0]], folder) for case in cases]
-        placements = dict(_finish(bar, runs))
+        placements = dict(finish(bar, runs))
     results = [_result(n, parts[n], timing[n], netlists, placements) for n in lanes]
     rows = [{**asdict(result), "quoted_mhz": {s: result.quoted_mhz(s) for s in SPEEDS}} for result in results]
     write_atomically(folder / "synth.json", json.dumps(rows, indent=1))
@@ -107,14 +108,13 @@ def _netlist(
 ) -> tuple[tuple[str, int], Netlist]:
     out = folder / f"{target}-{lanes}"
     verilog = to_verilog(sources, TOP, {"lanes_g": lanes}, out / "core.v")
-    is_placed = target == "ecp5"
-    chosen = mapping if is_placed else None
-    return (target, lanes), synthesise(verilog, TOP, target, out, mapping=chosen, registered=is_placed)
+    placed = {"mapping": mapping, "around": registered} if target == "ecp5" else {}
+    return (target, lanes), synthesise(verilog, TOP, target, out, **placed)
 
 
 def _result(lanes: int, part: str, timing: tuple[int, int], netlists: dict, placements: dict) -> LanesResult:
     runs = {speed: [placements[lanes, speed, seed] for seed in SEEDS] for speed in SPEEDS}
-    best = {speed: max(runs[speed], key=lambda run: run.clock_mhz) for speed in SPEEDS}
+    best = {speed: max(runs[speed], key=lambda run: run.clock.mhz) for speed in SPEEDS}
     cells = {target: netlists[target, lanes].cells for target in TARGETS}
     return LanesResult(
         lanes=lanes,
@@ -123,8 +123,8 @@ def _result(lanes: int, part: str, timing: tuple[int, int], netlists: dict, plac
         latency=timing[1],
         port_flip_flops=netlists["ecp5", lanes].port_bits() - 1,
         cells={**cells, "placed": best[SPEEDS[0]].used},
-        clock_mhz={speed: [run.clock_mhz for run in runs[speed]] for speed in SPEEDS},
-        slowest_path={speed: (best[speed].path_from, best[speed].path_to) for speed in SPEEDS},
+        clock_mhz={speed: [run.clock.mhz for run in runs[speed]] for speed in SPEEDS},
+        slowest_path={speed: (best[speed].clock.path_from, best[speed].clock.path_to) for speed in SPEEDS},
     )
 
 
@@ -139,7 +139,7 @@ def _place(
     return case, place_and_route(netlist.json, part=part, speed=speed, seed=seed, out=out, **how)
 
 
-def _finish(bar: tqdm, futures: Iterable) -> Iterable:
+def finish(bar: tqdm, futures: Iterable) -> Iterable:
     """Results in the order in which they come; the first failure cancels what has not begun."""
     futures = list(futures)
     try:

@@ -4,10 +4,11 @@ import json
 import subprocess
 import sys
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from gravcomp.errors import InputError
+from gravcomp_lab.synthesis.around import AROUND, Ports, Wrapper
 
 # Passes after reading. The area of 7-series and Gowin parts is an estimate: Yosys' counts, not placed.
 TARGETS = {
@@ -42,15 +43,14 @@ for line in open(sys.argv[1]):
 class Netlist:
     """A synthesised design: its top module, number of cells by type, and the netlist as JSON and as Verilog.
 
-    scanned_inputs, scanned_outputs: bits of the chain around it, if there is one.
+    ports: of the design that something was put around, those that are used and not left open.
     """
 
     top: str
     cells: dict[str, int]
     json: Path
     verilog: Path
-    scanned_inputs: int = 0
-    scanned_outputs: int = 0
+    ports: Ports = field(default_factory=dict)
 
     def port_bits(self) -> int:
         """Bits of all ports of the top."""
@@ -65,17 +65,14 @@ def synthesise(
     out: Path,
     *,
     mapping: Path | Sequence[Path] | None = None,
-    registered: bool = False,
-    scanned: bool = False,
+    around: Wrapper | None = None,
     open_ports: Collection[str] = (),
 ) -> Netlist:
     """Synthesise module top of a Verilog file for a target of TARGETS; files and yosys.log go to the folder out.
 
     mapping: Verilog files whose modules replace those of the same name, such as the vendor's form of a multiplier.
-    registered: flip-flops around every port but clk, so that place and route times the paths through the ports too;
-    the top of the netlist is then `registered`.
-    scanned: these flip-flops as one shift register, for a part with fewer pins; the top is then `scanned`. open_ports:
-    outputs that nothing is to take then.
+    around: what stands around the top, of gravcomp_lab.synthesis.around, so that place and route times the paths
+    through its ports too; the top of the netlist is then that. open_ports: outputs that nothing is to take then.
     Raises InputError when Yosys fails; a latch is a failure.
     """
     out.mkdir(parents=True, exist_ok=True)
@@ -84,72 +81,29 @@ def synthesise(
         read += [f"read_verilog -lib {path}" for path in PRIMITIVES.get(target, [])]
         files = [mapping] if isinstance(mapping, Path) else mapping
         read += [f"read_verilog -overwrite {file.resolve()}" for file in files]
-    chain = {"scanned_inputs": 0, "scanned_outputs": 0}
-    if registered or scanned:
+    ports = {}
+    if around:
         ports = {name: port for name, port in _ports(read, top, out).items() if name not in open_ports}
-        name = "scanned" if scanned else "registered"
-        wrapper = out / f"{name}.v"
-        wrapper.write_text((_scan_ports if scanned else _register_ports)(top, ports))
-        read, top = [*read, f"read_verilog {wrapper.resolve()}"], name
-        if scanned:
-            chain = {f"scanned_{way}s": _bits(ports, way) for way in ("input", "output")}
+        wrapper = out / "around.v"
+        wrapper.write_text(around(top, ports))
+        read, top = [*read, f"read_verilog {wrapper.resolve()}"], AROUND
     netlist, mapped, cells = (out / f"{target}.{name}" for name in ("json", "v", "stat.json"))
     passes = [*read, f"hierarchy -check -top {top}", "proc -latches error", *_ATTRIBUTES, *TARGETS[target]]
     passes += [f"tee -q -o {cells.name} stat -json"]
     passes += [f"write_json {netlist.name}", f"write_verilog -noattr {mapped.name}"]
     run_passes([line.format(top=top) for line in passes], out / "yosys.log")
     counts = json.loads(cells.read_text())["design"]["num_cells_by_type"]
-    return Netlist(top, {name: int(number) for name, number in counts.items()}, netlist, mapped, **chain)
+    return Netlist(top, {name: int(number) for name, number in counts.items()}, netlist, mapped, ports)
 
 
-def _ports(read: Sequence[str], top: str, out: Path) -> dict[str, tuple[str, int]]:
-    """Direction and width of each port of module top that a cell uses or drives."""
+def _ports(read: Sequence[str], top: str, out: Path) -> Ports:
+    """The ports of module top that a cell uses or drives."""
     passes = ["proc", "flatten", "opt", "write_json ports.json"]
     run_passes([*read, f"hierarchy -check -top {top}", *passes], out / "ports.log")
     module = json.loads((out / "ports.json").read_text())["modules"][top]
     in_use = {bit for cell in module["cells"].values() for bits in cell["connections"].values() for bit in bits}
     ports = {name: port for name, port in module["ports"].items() if in_use.intersection(port["bits"])}
     return {name: (port["direction"], len(port["bits"])) for name, port in ports.items()}
-
-
-def _register_ports(top: str, ports: dict[str, tuple[str, int]]) -> str:
-    """Verilog of module `registered`: top with a flip-flop at every port but clk."""
-    around = {name: port for name, port in ports.items() if name != "clk"}
-    declared = [f"{way} [{bits - 1}:0] {name}" for name, (way, bits) in around.items()]
-    signals = [f"  reg [{bits - 1}:0] {name}_q; wire [{bits - 1}:0] {name}_d;" for name, (_, bits) in around.items()]
-    moves, connections = [], []
-    for name, (way, _) in around.items():
-        inside = "q" if way == "input" else "d"
-        moves += [f"  always @(posedge clk) {name}_q <= {name}_d;"]
-        moves += [f"  assign {name}_d = {name};" if way == "input" else f"  assign {name} = {name}_q;"]
-        connections += [f".{name}({name}_{inside})"]
-    head = f"module registered(input clk, {', '.join(declared)});"
-    core = f"  {top} core(.clk(clk), {', '.join(connections)});"
-    return "\n".join([head, *signals, *moves, core, "endmodule", ""])
-
-
-def _scan_ports(top: str, ports: dict[str, tuple[str, int]]) -> str:
-    """Verilog of module `scanned`: top with its ports but clk on a shift register, which captures the outputs."""
-    n_in, n_out = _bits(ports, "input"), _bits(ports, "output")
-    connections, low = [".clk(clk)"], {"input": 0, "output": 0}
-    for name, (way, bits) in ports.items():
-        if name != "clk":
-            signal = "in_q" if way == "input" else "out_d"
-            connections.append(f".{name}({signal}[{low[way] + bits - 1}:{low[way]}])")
-            low[way] += bits
-    return f"""module scanned(input clk, input scan_in, input capture, output scan_out);
-  reg [{n_in - 1}:0] in_q; reg [{n_out - 1}:0] out_q; wire [{n_out - 1}:0] out_d;
-  always @(posedge clk) in_q <= {{in_q, scan_in}};
-  always @(posedge clk) out_q <= capture ? out_d : {{out_q, in_q[{n_in - 1}]}};
-  assign scan_out = out_q[{n_out - 1}];
-  {top} core({", ".join(connections)});
-endmodule
-"""
-
-
-def _bits(ports: dict[str, tuple[str, int]], way: str) -> int:
-    """Bits of the inputs or outputs but clk."""
-    return sum(bits for name, (own, bits) in ports.items() if own == way and name != "clk")
 
 
 def run_passes(passes: Sequence[str], log: Path) -> None:
