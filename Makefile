@@ -80,7 +80,7 @@ system: setup ## gc_system: registers, interrupt, results on two clocks; path la
 	@$(PYTEST) -q tb/test_rtl_system.py
 	@$(LAB) path --weights "$(WEIGHTS)"
 
-hil: setup ## the robot in the physics engine and gc_system in one simulation: PID with and without the core, faults; docs/measured/hil.md
+hil: setup ## the robot in the physics engine and gc_system with its servo in one simulation, with and without the network, faults; docs/measured/hil.md
 	@$(LAB) hil --docs docs/measured
 
 campaign: setup ## a robot in the physics engine measures itself over the RTL, finds what its model lacks, loads it, measures again: SEEDS="0"

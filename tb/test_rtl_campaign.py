@@ -9,26 +9,20 @@ import pytest
 from gravcomp.campaign.campaign import Campaign, Plan
 from gravcomp.campaign.journal import AFTER, BEFORE
 from gravcomp.campaign.route import HOLD
-from gravcomp.cli import main
 from gravcomp.commands.campaign import conduct
 from gravcomp.driver.board import Board, load_limits
 from gravcomp.driver.moving import load_motion
 from gravcomp.errors import InputError
 from gravcomp.prototype.imperfections import CableSpring
-from gravcomp.robot.machine import ROBOT_TOML, load_machine
-from gravcomp.shipped import shipped
+from gravcomp.robot.machine import load_machine
 from gravcomp_lab.cosim.blind import floor, home
-from gravcomp_lab.cosim.library import build, slow_machine
 from gravcomp_lab.cosim.limits import limits_toml
 from gravcomp_lab.cosim.world import World
-from runner import BUILD, ROOT
+from support.cosim_core import slide_core
 
 STIFFNESS_N_PER_M, FREE_M = 60.0, 0.21
 PLAN = Plan(poses=8, legs=4, seed=4, speed=0.08)  # one leg alone leaves the spring 6 % of its stiffness
-STEP_CLOCKS = 80  # one axis needs fewer
 INERTIA = {"inertia"}  # which the robot has, and the legs of so short a campaign show
-# A tenth of a metre: a campaign in a minute of the robot's time.
-RANGE = "low = 0.2\nhigh = 0.3\n"
 
 pytestmark = [
     pytest.mark.slow,
@@ -50,11 +44,7 @@ class CutWorld(World):
 
 @pytest.fixture(scope="module")
 def core():
-    folder = slow_machine(shipped("weights/slide"), BUILD / "tb" / "campaign" / "slide", STEP_CLOCKS)
-    with (folder / ROBOT_TOML).open("a") as file:
-        file.write(RANGE)
-    assert main(["adopt", str(folder)]) == 0
-    return build(folder, ROOT / "rtl", BUILD / "tb" / "campaign" / "core"), folder
+    return slide_core("campaign")
 
 
 def campaign_of(world: World, folder, out, resume: bool = False) -> Campaign:

@@ -1,11 +1,13 @@
-"""Simulate the robot in the physics engine with gc_system in the loop: PID with and without the core, and faults."""
+"""Simulate the robot in the physics engine at the pins of gc_system: servo with and without the network, and faults."""
 
 from pathlib import Path
 
+from gravcomp_lab.cosim.library import build, slow_machine
 from gravcomp_lab.hil.loop import hil_run
 from gravcomp_lab.hil.report import picture, stop_table, tracking_table
 from gravcomp_lab.hil.runs import SETS, Fault
 from gravcomp_lab.pages import renew
+from gravcomp_lab.shipped import SPHEIRO
 from gravcomp_lab.simulated.pictures import save_figure
 
 
@@ -19,7 +21,9 @@ def add_arguments(parser):
 
 
 def run(arguments):
-    runs = hil_run(arguments.runs, arguments.rtl, arguments.build)
+    folder = slow_machine(SPHEIRO, arguments.build / "hil" / "spheiro")
+    library = build(folder, arguments.rtl, arguments.build / "hil" / "core")
+    runs = hil_run(arguments.runs, library, folder)
     tracked = [pair for pair in runs if pair[0].fault == Fault.NONE]
     stopped = [pair for pair in runs if pair[0].fault != Fault.NONE]
     tables = {"tracking": tracking_table(tracked), "stops": stop_table(stopped)}

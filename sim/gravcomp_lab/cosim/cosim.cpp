@@ -23,8 +23,9 @@ struct Port {
   int32_t position[most_axes], target[most_axes], index[most_axes];  // counts; target: at the end of this step
   int32_t sense_ua[most_axes];                                       // measured at the start of this step
   int32_t command_ua[most_axes];
-  uint32_t released, enabled, estop;  // sets of axes; whether drives are enabled; emergency stop pressed
+  uint32_t released, enabled, estop;  // sets of axes, in every clock; whether drives are enabled; emergency stop pressed
   uint32_t data, error;               // of the last access
+  int32_t jump[most_axes];            // counts that the pins are ahead of the position: a fault of the encoder
 };
 }
 
@@ -57,7 +58,7 @@ static void encoders() {
   for (uint32_t i = 0; i < port.axes; i++) {
     int64_t way = int64_t(port.target[i]) - start[i];
     port.position[i] = start[i] + way * (port.step_clock + 1) / port.step_clocks;
-    int phase = port.position[i] & 3;
+    int phase = (port.position[i] + port.jump[i]) & 3;
     a |= (phase == 1 || phase == 2) << i;
     b |= (phase >= 2) << i;
     z |= (port.position[i] == port.index[i]) << i;
@@ -82,11 +83,11 @@ static void core_clock() {
   top->clk = 0, top->s_axi_aclk = 1;
   top->eval();
   port.clock++;
+  port.released = top->brake_release & ~top->brake_engage & ((1 << port.axes) - 1);
   if (++port.step_clock < port.step_clocks) return;
   port.step_clock = 0;
   std::memcpy(start, port.position, sizeof start);
   std::memcpy(port.command_ua, &top->drive_current, 4 * port.axes);
-  port.released = top->brake_release & ~top->brake_engage & ((1 << port.axes) - 1);
   port.enabled = top->drive_enable;
 }
 

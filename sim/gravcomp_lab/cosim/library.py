@@ -6,6 +6,7 @@ speeds, friction and time-outs, counts by that clock, since the machine folder s
 """
 
 import ctypes
+import fcntl
 import hashlib
 import re
 import shutil
@@ -42,6 +43,7 @@ class Port(ctypes.Structure):
         *((name, ctypes.c_uint32) for name in ("axes", "step_clocks", "step_clock")),
         *((name, ctypes.c_int32 * MOST_AXES) for name in ("position", "target", "index", "sense_ua", "command_ua")),
         *((name, ctypes.c_uint32) for name in ("released", "enabled", "estop", "data", "error")),
+        ("jump", ctypes.c_int32 * MOST_AXES),
     )
 
 
@@ -63,9 +65,11 @@ def build(machine: Path, rtl: Path, folder: Path, lanes: int = 1) -> Path:
     Raises InputError when a tool is missing or refuses.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    write_rom(machine, folder / "generated")
-    sources = rtl_sources(rtl, folder / "generated")
-    return compiled([to_verilog(sources, TOP, generics(machine, lanes), folder / f"{TOP}.v")], TOP, folder)
+    with (folder / "build.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # of two that want it at once one compiles
+        write_rom(machine, folder / "generated")
+        sources = rtl_sources(rtl, folder / "generated")
+        return compiled([to_verilog(sources, TOP, generics(machine, lanes), folder / f"{TOP}.v")], TOP, folder)
 
 
 def generics(machine: Path, lanes: int = 1) -> dict[str, int | str]:

@@ -6,7 +6,7 @@ says. Time passes while registers are read and written, and only then.
 """
 
 import ctypes
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,8 @@ from gravcomp.robot.machine import Machine
 from gravcomp_lab.cosim.library import EDGE_CLOCKS, Port
 
 _INDEX, _START = 2, -40  # counts from the middle of an axis: its only mark, and where it stands when power comes on
-_HAND_COUNTS = 2  # that a hand moves the axes in a step
+_HAND_COUNTS = 2  # that a hand moves the axes in a step over an index
+_CARRY_COUNTS = 30  # and elsewhere, of the axis that goes farthest
 _EXCHANGES_PER_STEP = 2  # a USB bridge takes half a millisecond at least
 _PATIENCE_CLOCKS = 10_000  # of an access
 NOISE_N = 0.5  # of a single measured current, as an effort of the Sphe.I.Ro.
@@ -49,8 +50,8 @@ class World:
         n, self.index, self._start = machine.n_axes, middles(machine) + _INDEX, middles(machine) + _START
         self.plant.place(machine.drive.positions(self._start), np.zeros(n), 0.0)
         self.plant.engine.data.qvel[:] = 0.0
-        self._way: Iterator[np.ndarray] = iter(())
-        self._was_released = self._is_moved = False
+        self._way: list[list[int]] = []  # counts on which someone takes the robot, the last first
+        self._was_released = False
         try:
             self._core = ctypes.CDLL(str(library.resolve()))
         except OSError as error:
@@ -118,33 +119,45 @@ class World:
     def by_hand(self) -> None:
         """Someone moves every axis over its index and back."""
         there = np.arange(0, -2 * _START, _HAND_COUNTS)
-        ways = np.concatenate([there, there[::-1]])[:, None] + self._start
-        self._way = iter(self.machine.drive.positions(ways))
-        self._is_moved = True
+        self._follow(np.concatenate([there, there[::-1]])[:, None] + self._start)
 
-        while self._is_moved:
+    def carry(self, counts: np.ndarray) -> None:
+        """Someone carries the robot, whose brakes are engaged, straight to other counts (n,)."""
+        here = np.array(self.port.position[: self.machine.n_axes])
+        steps = int(np.abs(counts - here).max()) // _CARRY_COUNTS + 2
+        self._follow(np.rint(np.linspace(here, counts, steps)))
+
+    def _follow(self, ways: np.ndarray) -> None:
+        """Along counts (k, n), a step each; the physics has the robot again at the end."""
+        self._way = ways.astype(int).tolist()[::-1]
+        while self._way:
             self.wait(1)
+        q = self.machine.drive.positions(ways[-1])
+        self.plant.place(q, np.zeros(self.machine.n_axes), self.plant.state.t_s)
+        self.plant.engine.data.qvel[:] = 0.0
 
     def _step(self) -> None:
         """A millisecond of physics under the last commands; then what the pins show of it."""
         port, plant, n = self.port, self.plant, self.machine.n_axes
         is_released = port.released == (1 << n) - 1
         motor = np.array(port.command_ua[:n]) * self._per_ua * bool(port.enabled)
-        if is_released:
-            plant.exert(motor)
-        else:
-            plant.engine.data.qvel[:] = 0.0
-            if (q := next(self._way, None)) is not None:
-                plant.place(q, np.zeros(n), plant.state.t_s)
-            else:
-                self._is_moved = False
+        counts = self._way.pop() if self._way else None
+        if counts is None:
+            self._move(motor)
+            counts = self.machine.drive.counts(plant.read())
         plant.state.motor = motor
         self.engaged += self._was_released and not is_released
         self._was_released = is_released
         self.steps += 1
         current_ua = plant.effort() / self._per_ua + self._noise_ua * self._rng.standard_normal(n)
         port.sense_ua[:n] = np.rint(current_ua).astype(int).tolist()
-        counts = self.machine.drive.counts(plant.read())
         most = self.step_clocks // EDGE_CLOCKS
         near = np.array(port.position[:n])
         port.target[:n] = np.clip(counts, near - most, near + most).tolist()
+
+    def _move(self, motor: np.ndarray) -> None:
+        """A step of physics under efforts of the motors (n,). While a brake is engaged nothing moves."""
+        if self.port.released == (1 << self.machine.n_axes) - 1:
+            self.plant.exert(motor)
+        else:
+            self.plant.engine.data.qvel[:] = 0.0

@@ -1,171 +1,143 @@
-"""gc_system and the robot in the physics engine, in one simulation.
+"""gc_system with its servo and the robot in the physics engine, in one simulation.
 
-The carriages move the encoders; currents and brakes of gc_system act on the carriages; the host reads the positions for
-its PID over AXI4-Lite.
+What the RTL commands moves the robot, and how the robot moves is what the encoder pins tell the RTL. Python is the host
+that homes, releases, sends the moves and kicks the watchdog.
 """
 
-import os
-from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-import cocotb
 import numpy as np
-from cocotb.triggers import FallingEdge, Timer
-from cocotb.utils import get_sim_time
 from tqdm import tqdm
 
-from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS
+from gravcomp.core.compensator_tables import quantise_compensation
+from gravcomp.core.folder import load_folder
+from gravcomp.core.formats import FixedNetwork
+from gravcomp.core.image import image_words
+from gravcomp.core.quantised import quantised
+from gravcomp.driver.board import POLLS, Board, load_limits
+from gravcomp.driver.host import Result
+from gravcomp.driver.motion import Motion
+from gravcomp.driver.moving import load_motion
+from gravcomp.files import write_atomically
 from gravcomp.prototype.engine import TIME_STEP_S
-from gravcomp.simulation.measured import hand_over
-from gravcomp_lab.benches.bench import run_bench
-from gravcomp_lab.benches.codes import pack, unpack
-from gravcomp_lab.benches.system import ALL_FAULTS, BENCH_SOURCES, System
-from gravcomp_lab.hil.plant import BrakedPrototype, Pid
+from gravcomp.robot.machine import Machine
+from gravcomp_lab.cosim.blind import home
+from gravcomp_lab.cosim.limits import limits_toml
+from gravcomp_lab.hil.plant import BrakedWorld
 from gravcomp_lab.hil.runs import SETS, Fault, Log, Run
-from gravcomp_lab.shipped import shipped_machine
 
-RUNS = SETS[os.environ.get("RUNS", "short")]
-CLOCKS_PER_STEP = 150  # of a control period, which is a time step of the physics: the core at 150 kHz
-CORE_MHZ = CLOCKS_PER_STEP / TIME_STEP_S / 1e6
-AXI_MHZ = 0.97 * CORE_MHZ
-STEP_FS = round(1e15 * TIME_STEP_S)
-N_AXES = 3  # of the prototype
-FEWEST_CLOCKS_PER_EDGE = 3  # one more than the limit speed of gc_quad_decoder, at which speed is a fault
-READ_FS = STEP_FS // 2  # before the end of a period the host reads the positions
-EDGES_CLOCKS = 20  # of a period, in which its edges come
-INJECT_CLOCKS = 30  # after the start of a period
-MOST_STEPS_TO_RELEASE, MOST_REACTION_CLOCKS = 100, 25
-SETTINGS = {
-    "tick_clocks": CLOCKS_PER_STEP,
-    "period_min_clocks": 4 * FEWEST_CLOCKS_PER_EDGE,
-    "current_limit_ua": 4_000_000,
-    "current_slew_ua": 400_000,
-    "saturation_clocks": 10 * CLOCKS_PER_STEP,
-    "watchdog_clocks": 10 * CLOCKS_PER_STEP,
-    "result_clocks": 3 * CLOCKS_PER_STEP,
-    "brake_clocks": 3 * CLOCKS_PER_STEP,
-    "command_bound_ua": 10_000,
-    "command_clocks": 2 * CLOCKS_PER_STEP,
-    "hold_clocks": 20 * CLOCKS_PER_STEP,
-}
+KICK_STEPS = 50  # of a watchdog of two seconds
+POLLS_TO_RELEASE, MOST_REACTION_CLOCKS = 3000, 25
+MOST_FALL_M = 9.81 * (2 * TIME_STEP_S) ** 2 / 2  # until the host sees that the brakes are open, if nothing holds
+
+
+def silent_image(folder: Path) -> bytes:
+    """An image for the core of a machine folder whose network says nothing: its efforts are zero at every pose."""
+    given, fixed = load_folder(folder), silent_network(folder)
+    compensation = quantise_compensation(given.compensation, given.machine.drive, folder)
+    return image_words(fixed, compensation).astype("<u4").tobytes()
+
+
+def silent_network(folder: Path) -> FixedNetwork:
+    """The network of a machine folder without weights in its output layer, in the formats of the core's own."""
+    given = load_folder(folder)
+    network, zeros = given.network, np.zeros(given.machine.n_axes)
+    weights = np.zeros_like(network.output_weights)
+    silent = replace(network, output_weights=weights, output_bias=zeros, f_offset=zeros)
+    return quantised(given.machine, silent, folder, quantised(given.machine, network, folder))
 
 
 class HardwareLoop:
-    """Physics and gc_system, a control period at a time."""
+    """A run: physics and RTL, a millisecond at a time, and what they did."""
 
-    def __init__(self, dut, run: Run):
-        self.dut, self.run, self.drive = dut, run, shipped_machine().drive
-        self.p = shipped_machine().robot.parameters
-        self.system = System(dut)
-        self.robot = BrakedPrototype(self.p, run.target_m(0.0, self.p), run.closing_s)
-        self.pid = Pid()
-        self.pid_n, self.core_n, self.is_released = np.zeros(N_AXES), np.zeros(N_AXES), np.zeros(N_AXES, bool)
-        self.last_counts = self.counts()
+    def __init__(self, run: Run, library: Path, folder: Path, machine: Machine):
+        self.run, self.folder, self.machine, self.drive = run, folder, machine, machine.drive
+        self.world = BrakedWorld(library, machine, run.closing_s)
+        self.board = Board(self.world)
+        self.motion = Motion(self.world, machine.n_axes)
         self.reaction_clocks = 0
         self.rows: list[tuple] = []
 
-    def counts(self) -> np.ndarray:
-        return self.drive.counts(self.robot.q_m)
+    def start(self, limits_path: Path) -> None:
+        """Home, carry the robot to where the run begins, release, and wait until the brakes open."""
+        write_atomically(limits_path, limits_toml(self.world))
+        limits = load_limits(limits_path, self.folder)
+        home(self.world, self.board.home(limits))
+        if not self.run.uses_network:
+            self.board.load(silent_image(self.folder))
+        self.world.carry(self.drive.counts(self.run.target_m(0.0, self.machine)))
+        self.world.wait(20)
+        self.motion.configure(load_motion(limits_path, self.folder))
+        self.board.configure(limits)
+        still_m = self.world.q_m
+        if self.board.host.release(POLLS_TO_RELEASE) != Result.OK:
+            raise AssertionError(f"the brakes do not open: {self.board.host.read()}")
+        if (np.abs(self.world.q_m - still_m) > MOST_FALL_M).any():
+            raise AssertionError("moved against its brakes")
 
-    async def start(self) -> None:
-        """Home, tick, enable, and step until the brakes open."""
-        await self.system.start(AXI_MHZ, CORE_MHZ)
-        await self.system.configure(**SETTINGS)
-        await self.system.home_near(self.last_counts)
-        write = self.system.registers.write
-        await write("control", self.system.homing | 2)
-        await write("command", 2)
-        await self.system.clocks(3 * CLOCKS_PER_STEP)
-        await write("fault", ALL_FAULTS)
-        await self.system.wait_for_state("braked")
-        await write("control", self.system.homing | 3)
-        target_m, still_m = self.run.target_m(0.0, self.p), self.robot.q_m
-        for _ in range(MOST_STEPS_TO_RELEASE):
-            if self.is_released.all():
-                assert (np.abs(self.robot.q_m - still_m) < self.drive.unit_per_count).all(), "moved against its brakes"
-                return
-            await self.step(target_m)
-        raise AssertionError("the brakes do not open")
+    def simulate(self, bar: tqdm) -> None:
+        """All of the run, a row for each millisecond."""
+        moves = sorted((*self.run.steps, self.run.move), key=lambda move: move.start_s)
+        fault_step = round(self.run.fault_s / TIME_STEP_S) if np.isfinite(self.run.fault_s) else -1
+        first = self.world.steps
+        for k in range(round(self.run.duration_s / TIME_STEP_S)):
+            if self.world.steps <= first + k:
+                self.world.wait(1)
+            self.record(k * TIME_STEP_S)
+            if k % KICK_STEPS == 0:
+                self.board.host.kick()
+            if moves and k >= round(moves[0].start_s / TIME_STEP_S) and fault_step != k:
+                self.begin(moves.pop(0).end_s)
+            if k == fault_step:
+                self.inject()
+            bar.update()
 
-    async def step(self, target_m: np.ndarray, fault: Fault = Fault.NONE) -> None:
-        """One control period: physics under the last forces, edges on the pins, a reading, new forces.
+    def begin(self, end_s: float) -> None:
+        """Send the servo to where it shall be at end_s."""
+        target = self.drive.counts(self.run.target_m(end_s, self.machine))
+        now_s = self.rows[-1][0]
+        if self.motion.move(tuple(target.tolist()), round((end_s - now_s) / TIME_STEP_S), POLLS) != Result.OK:
+            raise AssertionError(f"a move to {target} is not taken")
 
-        target_m (3,): for the end of the physics' step, which is what is read.
-        """
-        ends_fs = round(get_sim_time("fs")) + STEP_FS
-        self.robot.step(self.pid_n + self.core_n, self.is_released)
-        self.move_encoders()
-        if fault != Fault.NONE:
-            await self.inject(fault)
-        await Timer(ends_fs - READ_FS - round(get_sim_time("fs")), "fs")
-        await self.system.registers.read("result_number")
-        reading_m = self.drive.positions(np.array(await self.system.registers.read_axes("position_now")))
-        await self.system.registers.write("command", 2)
-        await Timer(ends_fs - round(get_sim_time("fs")), "fs")  # ValueError when the host was too slow
-        self.take_commands(target_m - reading_m)
-
-    def move_encoders(self) -> None:
-        counts = self.counts()
-        most = max(1, np.abs(counts - self.last_counts).max())
-        self.dut.clocks_per_edge.value = max(FEWEST_CLOCKS_PER_EDGE, EDGES_CLOCKS // int(most))
-        self.dut.target.value = pack(counts, COUNT_BITS)
-        self.last_counts = counts
-
-    def take_commands(self, error_m: np.ndarray) -> None:
-        """New forces from the drives' pins and the PID, which rests while brakes are engaged or drives are off."""
-        dut = self.dut
-        current_ua = unpack([int(dut.drive_current.value)], CURRENT_BITS, N_AXES)[0]
-        self.core_n = self.run.uses_core * current_ua / 1e6 * self.drive.effort_per_ampere
-        self.is_released = np.array([int(dut.brake_release.value) >> i & 1 for i in range(N_AXES)], bool)
-        if dut.drive_enable.value == 1 and self.is_released.all():
-            assert dut.busy.value == 0, "the robot outruns its encoders"
-            self.pid_n = self.pid.force_n(error_m)
-        else:
-            self.pid, self.pid_n = Pid(), np.zeros(N_AXES)
-
-    async def inject(self, fault: Fault) -> None:
+    def inject(self) -> None:
         """Cause a fault and count the clocks until the pins of the brakes fall."""
-        await self.system.clocks(INJECT_CLOCKS)
-        if fault == Fault.ESTOP:
-            self.dut.estop_n.value = 0
+        if self.run.fault == Fault.ESTOP:
+            self.world.port.estop = 1
         else:
-            (scope,) = (child for child in self.dut if child._name == "g_encoder(0)")
-            (encoder,) = scope
-            (count,) = (signal for signal in encoder if signal._name == "count")
-            count.value = count.value.to_signed() + 2  # a and b change at once
-        while self.dut.brake_release.value != 0:
-            assert self.reaction_clocks < MOST_REACTION_CLOCKS, "the brakes stay open"
-            await FallingEdge(self.dut.clk)
+            self.world.port.jump[0] = 2  # a and b change at once
+        while self.world.port.released:
+            if self.reaction_clocks >= MOST_REACTION_CLOCKS:
+                raise AssertionError("the brakes stay open")
+            self.world.clock()
             self.reaction_clocks += 1
 
     def record(self, t_s: float) -> None:
-        target_m, is_released = self.run.target_m(t_s, self.p), bool(self.is_released.all())
-        row = (t_s, target_m, self.robot.q_m, self.pid_n, self.core_n, is_released, self.robot.platform_radps)
+        """What the servo wants and does, and what the robot does."""
+        state = self.motion.read()
+        per_ua = self.drive.effort_per_ampere / 1e6
+        motor_n = self.world.plant.state.motor
+        servo_n = np.array(state.correction_ua) * per_ua * bool(self.world.port.enabled)
+        target_m = self.drive.positions(np.array(state.setpoint))
+        is_released = bool(self.world.is_released.all())
+        row = t_s, target_m, self.world.q_m, servo_n, motor_n - servo_n, is_released, self.world.speed
         self.rows.append(row)
 
     def log(self) -> Log:
         return Log(*(np.array(column) for column in zip(*self.rows, strict=True)), self.reaction_clocks)
 
 
-@cocotb.test()
-@cocotb.parametrize(index=range(len(RUNS)))
-async def closed_loop(dut, index):
-    run = RUNS[index]
-    loop, n_steps = HardwareLoop(dut, run), round(run.duration_s / TIME_STEP_S)
-    await loop.start()
-    with open(os.environ["PROGRESS"], "a") as terminal:
-        for k in tqdm(range(n_steps), desc=run.name, file=terminal, unit="ms", disable=None):
-            loop.record(k * TIME_STEP_S)
-            is_fault = abs(k * TIME_STEP_S - run.fault_s) < TIME_STEP_S / 2
-            target_m = run.target_m((k + 1) * TIME_STEP_S, loop.p)
-            await loop.step(target_m, run.fault if is_fault else Fault.NONE)
-    hand_over(**{run.name: vars(loop.log())})
-
-
-def hil_run(runs: str, rtl: Path, build: Path) -> Sequence[tuple[Run, Log]]:
-    """The runs of a set (gravcomp_lab.hil.runs.SETS) with one lane, simulated under GHDL with the ROM of the shipped
-    machine.
+def hil_run(runs: str, library: Path, folder: Path) -> list[tuple[Run, Log]]:
+    """The runs of a set (gravcomp_lab.hil.runs.SETS) on the core in a library (gravcomp_lab.cosim.library.build) and
+    the machine folder that it was built from. Limits are written beside the library.
     """
-    environment = {"RUNS": runs, "PROGRESS": f"/proc/{os.getpid()}/fd/2"}  # its output goes to a log
-    measured = run_bench("gc_system_bench", __name__, 1, rtl, build / f"hil-{runs}", environment, BENCH_SOURCES)
-    return [(run, Log(**{name: np.array(values) for name, values in measured[run.name].items()})) for run in SETS[runs]]
+    machine, done = load_folder(folder).machine, []
+    with tqdm(total=sum(round(run.duration_s / TIME_STEP_S) for run in SETS[runs]), unit="ms") as bar:
+        for run in SETS[runs]:
+            bar.set_description(run.name)
+            loop = HardwareLoop(run, library, folder, machine)
+            with loop.board:
+                loop.start(library.with_suffix(".toml"))
+                loop.simulate(bar)
+            done.append((run, loop.log()))
+    return done

@@ -1,59 +1,72 @@
-"""What the drives and brakes of gc_system act on: the robot in the physics engine, and the host's PID."""
+"""The robot at the pins of gc_system, its brakes dry friction that takes its time to close."""
+
+from pathlib import Path
 
 import numpy as np
 
-from gravcomp.prototype.body import SERVO_KD_NS_PER_M, SERVO_KI_N_PER_MS, SERVO_KP_N_PER_M, Prototype
 from gravcomp.prototype.engine import TIME_STEP_S
-from gravcomp.robot.spheiro.kinematics import direct_kinematics
-from gravcomp.robot.spheiro.parameters import RobotParameters
+from gravcomp.robot.machine import Machine
+from gravcomp.robot.spheiro.robot import Spheiro
+from gravcomp_lab.cosim.world import World
 
 BRAKE_N = 400.0  # holding force of one brake, a stand-in: three times the largest force of the workspace
-_RATE_BLEND = TIME_STEP_S / (TIME_STEP_S + 0.005)  # the error's rate is filtered with 5 ms
 
 
-class Pid:
-    """f = K_p e + K_i sum(e) T + K_d rate(e) per axis, N, every TIME_STEP_S; starts with an empty integrator."""
+class Brakes:
+    """A brake per axis: dry friction of BRAKE_N on its carriage without current. It opens at once.
 
-    def __init__(self) -> None:
-        self._last_m: np.ndarray | None = None
-        self._sum_ms, self._rate_mps = np.zeros(3), np.zeros(3)
-
-    def force_n(self, error_m: np.ndarray) -> np.ndarray:
-        """Motor forces (3,), N, for errors (3,), m, target - reading."""
-        last_m = error_m if self._last_m is None else self._last_m
-        self._rate_mps += _RATE_BLEND * ((error_m - last_m) / TIME_STEP_S - self._rate_mps)
-        self._sum_ms += error_m * TIME_STEP_S
-        self._last_m = error_m
-        return SERVO_KP_N_PER_M * error_m + SERVO_KI_N_PER_MS * self._sum_ms + SERVO_KD_NS_PER_M * self._rate_mps
-
-
-class BrakedPrototype:
-    """The prototype with a brake on each carriage: dry friction of BRAKE_N. At first still, brakes engaged.
-
-    closing_s: what a brake takes to close; it opens at once.
+    closing_s: what it takes to close.
     """
 
-    def __init__(self, p: RobotParameters, q_m: np.ndarray, closing_s: float = 0.0):
-        self._robot = Prototype(p)
-        self._robot.set_pose(direct_kinematics(q_m, p))
+    def __init__(self, n_axes: int, closing_s: float = 0.0):
         self._closing_steps = round(closing_s / TIME_STEP_S)
-        self._steps_since_released = np.full(3, self._closing_steps)
+        self._since_released = np.full(n_axes, self._closing_steps)
+
+    def friction_n(self, is_released: np.ndarray) -> np.ndarray:
+        """In the next TIME_STEP_S (n,), N; is_released (n,): current in the coils."""
+        is_engaged = ~is_released & (self._since_released >= self._closing_steps)
+        self._since_released = np.where(is_released, 0, self._since_released + 1)
+        return np.where(is_engaged, BRAKE_N, 0.0)
+
+
+class BrakedWorld(World):
+    """A robot in the physics engine at the pins of the core in a library, with Brakes.
+
+    A host of no cost: an access takes the clocks of the bus, and no time of a line.
+    """
+
+    def __init__(self, library: Path, machine: Machine, closing_s: float = 0.0):
+        super().__init__(library, machine)
+        self._brakes = Brakes(machine.n_axes, closing_s)
+        self._noise_ua = np.zeros(machine.n_axes)
+        robot = self.plant.engine
+        self._guides = robot.model.dof_frictionloss[robot.motor_dofs].copy()
+
+    @property
+    def is_released(self) -> np.ndarray:
+        """Which brakes have current (n,)."""
+        return np.array([self.port.released >> axis & 1 for axis in range(self.machine.n_axes)], bool)
 
     @property
     def q_m(self) -> np.ndarray:
-        """Positions of the carriages (3,), m."""
-        return self._robot.motor_positions().copy()
+        """Positions of the carriages (n,), m."""
+        return self.plant.engine.motor_positions().copy()
 
     @property
-    def platform_radps(self) -> float:
-        """Angular speed of the platform."""
-        return float(np.linalg.norm(self._robot.data.joint("platform").qvel[3:]))
+    def speed(self) -> float:
+        """Angular speed of the platform, rad/s, or of all axes, m/s, where there is none."""
+        robot = self.plant.engine
+        is_platform = isinstance(self.machine.robot, Spheiro)
+        return float(np.linalg.norm(robot.data.joint("platform").qvel[3:] if is_platform else robot.motor_speeds()))
 
-    def step(self, force_n: np.ndarray, is_released: np.ndarray) -> None:
-        """TIME_STEP_S of physics under motor forces (3,), N; is_released (3,): current in the coils of the brakes."""
-        robot = self._robot
-        is_engaged = ~is_released & (self._steps_since_released >= self._closing_steps)
-        self._steps_since_released = np.where(is_released, 0, self._steps_since_released + 1)
-        robot.model.dof_frictionloss[robot.motor_dofs] = np.where(is_engaged, BRAKE_N, 0.0)
-        robot.data.ctrl[:] = force_n
-        robot.mujoco.mj_step(robot.model, robot.data)
+    def clock(self) -> None:
+        """One clock of the core."""
+        self._run(1)
+
+    def _exchange(self) -> None:
+        self.sent += 1
+
+    def _move(self, motor: np.ndarray) -> None:
+        robot = self.plant.engine
+        robot.model.dof_frictionloss[robot.motor_dofs] = self._guides + self._brakes.friction_n(self.is_released)
+        self.plant.exert(motor)

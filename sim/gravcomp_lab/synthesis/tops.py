@@ -73,7 +73,7 @@ def place_tops(
     cases = [(top, speed, seed) for top in tops for speed in speeds for seed in seeds]
     with tqdm(total=len(tops) + len(cases), unit="run") as bar, executor(backend, jobs) as pool:
         made = [pool.submit(_netlist, top, weights, rtl, build / "tops") for top in tops]
-        netlists = dict(finish(bar, made))
+        netlists = {top: netlist for (top,), netlist in finish(bar, made)}
         parts = {top: part_of(top, netlists[top].cells) for top in tops}
         placed = [pool.submit(_place, case, netlists[case[0]], parts[case[0]], build / "tops") for case in cases]
         runs = dict(finish(bar, placed))
@@ -95,13 +95,13 @@ def comb_of(cells: Mapping[str, int]) -> int:
     return cells.get("LUT4", 0) + 2 * cells.get("CCU2C", 0) + 6 * cells.get("TRELLIS_DPR16X4", 0)
 
 
-def _netlist(top: Top, weights: Path, rtl: Path, folder: Path) -> tuple[Top, Netlist]:
+def _netlist(top: Top, weights: Path, rtl: Path, folder: Path) -> tuple[tuple[Top], Netlist]:
     out = folder / str(top).replace(" ", "-")
     sources = machine_sources(rtl, form_copy(weights, folder, top.form), out)
     generics = {"lanes_g": top.lanes, "loadable_g": str(top.loadable).lower()}
     verilog = to_verilog(sources, top.entity, generics, out / "top.v")
     around = scanned(CLOCKS[top.entity])
-    return top, synthesise(verilog, top.entity, "ecp5", out, mapping=rtl / MULTIPLIER, around=around)
+    return (top,), synthesise(verilog, top.entity, "ecp5", out, mapping=rtl / MULTIPLIER, around=around)
 
 
 def _own_cells(top: Top, netlist: Netlist) -> dict[str, int]:
