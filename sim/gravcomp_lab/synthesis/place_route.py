@@ -14,7 +14,7 @@ from gravcomp.errors import InputError
 PACKAGES = {"25k": "CABGA381", "45k": "CABGA554", "85k": "CABGA756"}
 _NEXTPNR = "nextpnr-ecp5"
 CONFIG = "placed.config"  # the placed design as text, which ecppack reads
-# The clock asked for, MHz: out of reach, so that the tool does its best.
+# The clock asked for, MHz, if no other is: out of reach, so that the tool does its best.
 _GOAL_MHZ = 400
 # Of timing against wire length in the analytic placer; its own is 10, with which the core is up to 6 % slower.
 _TIMING_WEIGHT = 30
@@ -57,13 +57,14 @@ def place_and_route(
     seed: int,
     out: Path,
     router: str = "router1",
+    goal_mhz: int = _GOAL_MHZ,
     options: Sequence[str] = (),
 ) -> PlacedDesign:
     """The clock that a netlist (JSON of target ecp5) reaches on a part of PACKAGES at a speed grade, no pin placed.
 
     Files go to folder out. Raises InputError when nextpnr fails.
     """
-    free = ["--freq", str(_GOAL_MHZ), "--placer-heap-timingweight", str(_TIMING_WEIGHT), "--lpf-allow-unconstrained"]
+    free = ["--freq", str(goal_mhz), "--placer-heap-timingweight", str(_TIMING_WEIGHT), "--lpf-allow-unconstrained"]
     where = {"device": part, "package": PACKAGES[part], "speed": speed, "seed": seed, "out": out}
     return read_report(run_nextpnr(netlist, router=router, options=[*free, *options], **where))
 
