@@ -11,7 +11,7 @@ from gravcomp.robot.spheiro.kinematics import direct_kinematics
 from gravcomp.robot.spheiro.statics import holding_forces_at
 from gravcomp.twin.network import core
 from gravcomp_lab.hil.loop import silent_network
-from gravcomp_lab.hil.plant import BRAKE_N, Brakes
+from gravcomp_lab.hil.plant import BRAKE_N, FrictionBrakes
 from gravcomp_lab.hil.runs import FULL, SHORT, Log, stop_after
 from gravcomp_lab.shipped import SPHEIRO, shipped_machine
 from machines import P
@@ -29,7 +29,7 @@ def plant() -> Plant:
 
 def fallen_m(plant: Plant, is_released: np.ndarray, steps: int, force_n: np.ndarray = NO_FORCE) -> np.ndarray:
     """How far each axis goes in so many steps."""
-    robot, brakes, before = plant.engine, Brakes(3), plant.engine.motor_positions().copy()
+    robot, brakes, before = plant.engine, FrictionBrakes(3), plant.engine.motor_positions().copy()
     for _ in range(steps):
         robot.model.dof_frictionloss[robot.motor_dofs] = brakes.friction_n(is_released)
         plant.exert(force_n)
@@ -54,7 +54,7 @@ def test_brakes_slip_when_the_motors_are_stronger(plant):
 
 @pytest.mark.parametrize("closing_steps", [0, 10])
 def test_brakes_close_after_their_time_and_open_at_once(closing_steps):
-    brakes = Brakes(3, closing_steps * TIME_STEP_S)
+    brakes = FrictionBrakes(3, closing_steps * TIME_STEP_S)
     assert (brakes.friction_n(ENGAGED) == BRAKE_N).all(), "engaged for long"
     assert not brakes.friction_n(RELEASED).any()
     closing = [brakes.friction_n(ENGAGED) for _ in range(closing_steps + 2)]

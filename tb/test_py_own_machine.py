@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 
 from codes import ROOT
 from gravcomp.cli import COMMANDS
+from gravcomp.core.compensation import no_compensation, save_compensation
 from gravcomp.driver.host import machine_settings
 from gravcomp.robot.machine import ROBOT_TOML, load_machine
 from machines import SHIPPED, changed, machine_folder
@@ -32,6 +34,9 @@ def place(tmp_path_factory):
     """A working folder outside the tree: machine/ differs from the shipped one by its motors, log.csv is of it."""
     folder = tmp_path_factory.mktemp("elsewhere")
     machine_folder(folder / "machine", text=changed(("effort_per_ampere = 45.0", "effort_per_ampere = 20.0")))
+    rubs = {"fc_pos": 0.5, "fc_neg": 0.5, "v_dead": 1e-4, "v_full": 1e-3, "v_max": 0.1}  # or there is nothing to export
+    constants = replace(no_compensation(3), **{name: np.full(3, value) for name, value in rubs.items()})
+    save_compensation(constants, folder / "machine")
     data = holds(80, 4)
     force = load_machine(folder / "machine").robot.forces(data.q) + 1.5 * np.sign(data.v)
     noise = 0.1 * np.random.default_rng(1).standard_normal(data.shape)
@@ -82,6 +87,7 @@ CASES = {
     "new": ["project", "--robot", "machine"],
     "import-network": ["net.onnx", "--robot", "machine", "--out", "imported", "--poses", "200"],
     "correct": ["arm/model.toml", "--out", "arm/corrected.xml"],
+    "export": ["csv", "--weights", "machine", "--out", "tables"],
     "vectors": ["--weights", "machine", "--out", "vectors.txt"],
     "board": ["PORT", "info", "--robot", "machine"],
     "campaign": ["PORT", "--robot", "machine", "--limits", "limits.toml", "--out", "campaign", *SHORT],

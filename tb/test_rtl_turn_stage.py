@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from arm import arm_toml
+from axes import random_network
 from codes import corners_and_random, fixed_network, pack, unpack
 from gravcomp.core.formats import COUNT_BITS, OPERAND_BITS
 from gravcomp.core.vhdl.network_package import write_rom
@@ -17,7 +18,6 @@ from gravcomp.twin.network import turn_stage
 from gravcomp_lab.benches.stream import after_resets, latencies, start, stream
 from machines import machine_folder
 from runner import simulate
-from test_rtl_core_sizes import random_network
 
 INPUTS = (SIN_COS, POSITION, SIN_COS, SIN_COS)
 

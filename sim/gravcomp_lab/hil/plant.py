@@ -12,7 +12,7 @@ from gravcomp_lab.cosim.world import World
 BRAKE_N = 400.0  # holding force of one brake, a stand-in: three times the largest force of the workspace
 
 
-class Brakes:
+class FrictionBrakes:
     """A brake per axis: dry friction of BRAKE_N on its carriage without current. It opens at once.
 
     closing_s: what it takes to close.
@@ -30,14 +30,14 @@ class Brakes:
 
 
 class BrakedWorld(World):
-    """A robot in the physics engine at the pins of the core in a library, with Brakes.
+    """A robot in the physics engine at the pins of the core in a library, with FrictionBrakes.
 
     A host of no cost: an access takes the clocks of the bus, and no time of a line.
     """
 
     def __init__(self, library: Path, machine: Machine, closing_s: float = 0.0):
         super().__init__(library, machine)
-        self._brakes = Brakes(machine.n_axes, closing_s)
+        self._brakes = FrictionBrakes(machine.n_axes, closing_s)
         self._noise_ua = np.zeros(machine.n_axes)
         robot = self.plant.engine
         self._guides = robot.model.dof_frictionloss[robot.motor_dofs].copy()
