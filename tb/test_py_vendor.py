@@ -147,6 +147,7 @@ def fusesoc(folder: Path, *arguments: str) -> str:
     command = [program, "--cores-root", ROOT, "run", "--build-root", folder / "build", *arguments]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
+    assert "Replacing gravcomp" not in done.stderr, "the installed copy is taken, not the one here"
     return done.stdout
 
 
