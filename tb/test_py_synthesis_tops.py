@@ -85,7 +85,7 @@ def test_row_tells_the_median_and_the_range_of_each_clock():
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["--top", "gc_system", "--lanes", "0"], "--lanes [0]: need one or more"),
+        (["--top", "gc_system", "--lanes", "0"], "--lanes 0: give 1 or more"),
         (["--jobs", "0"], "--jobs 0: need one or more"),
         (["--top", "gc_system", "--docs", "docs"], "--docs: the page shows all tops; leave --top out"),
     ],

@@ -1,38 +1,30 @@
 """Area and clock of the core per number of lanes, or in the serial form on small parts, with free tools;
 docs/measured/synthesis.md and its picture."""
 
-import os
 from pathlib import Path
 
-from gravcomp.errors import InputError
-from gravcomp.parallel import WHERE
 from gravcomp.robot.machine import FORMS, LEAN, PAPER, SERIAL
 from gravcomp_lab.benches.core import distinct_lanes
 from gravcomp_lab.forms import form_copy
 from gravcomp_lab.pages import renew
-from gravcomp_lab.shipped import SPHEIRO
 from gravcomp_lab.simulated.pictures import save_figure
+from gravcomp_lab.synthesis.options import add_options, check_options
 from gravcomp_lab.synthesis.report import picture, tables
 from gravcomp_lab.synthesis.small_parts import small_survey, small_table
 from gravcomp_lab.synthesis.survey import survey
 
 
 def add_arguments(parser):
+    add_options(parser)
     parser.add_argument(
         "--lanes", type=int, nargs="+", default=[1, 4, 20], help="neurons per clock, but in the serial form"
     )
-    parser.add_argument("--weights", type=Path, default=SPHEIRO, help="machine folder (default: the shipped one)")
     parser.add_argument("--form", choices=FORMS, default=PAPER, help="of the network (default %(default)s)")
-    parser.add_argument("--rtl", type=Path, default=Path("rtl"), help="folder of sources.f")
-    parser.add_argument("--build", type=Path, default=Path("build"), help="folder of simulations and of results")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
-    parser.add_argument("--backend", choices=WHERE, default=WHERE[0], help="where runs are (default %(default)s)")
     parser.add_argument("--docs", type=Path, help="folder whose synthesis.md and picture are to be renewed")
 
 
 def run(arguments):
-    if arguments.jobs < 1:
-        raise InputError(f"--jobs {arguments.jobs}: need one or more")
+    check_options(arguments)
     lanes, weights, build = distinct_lanes(arguments.lanes), arguments.weights, arguments.build
     if arguments.form == SERIAL:
         return _serial(arguments)
