@@ -4,9 +4,6 @@ The fault inverts the lowest bit of the port (of the first field of a record), a
 reading the right value. So whatever is asserted about the entity's inside cannot see it, only what is about its port.
 """
 
-import csv
-import hashlib
-import io
 import re
 import shutil
 import tempfile
@@ -15,8 +12,8 @@ from dataclasses import astuple, dataclass
 from pathlib import Path
 
 from gravcomp.errors import InputError
-from gravcomp.files import write_atomically
 from gravcomp_lab.formal.claims import CLAIMS, verify
+from gravcomp_lab.mutation.kept import Keys, read_lines, write_lines
 from gravcomp_lab.mutation.trial import CAUGHT, TIMEOUT, compiles, relevant_tests, run_tests
 from gravcomp_lab.synthesis.verilog import rtl_sources, source_of
 
@@ -134,8 +131,7 @@ class PortVerdicts:
 
     def __init__(self, path: Path, root: Path):
         self._path, self._root = path, root
-        lines = csv.DictReader(path.read_text().splitlines()) if path.exists() else []
-        self._kept = {(line["entity"], line["port"]): line for line in lines}
+        self._kept = {(line["entity"], line["port"]): line for line in read_lines(path)}
 
     def known(self, port: OutputPort) -> Found | None:
         """The verdict on a port, when nothing that it rests on has changed."""
@@ -148,11 +144,7 @@ class PortVerdicts:
         self._kept[found.entity, found.port] = dict(
             zip(self._COLUMNS, (*astuple(found), self._key(found)), strict=True)
         )
-        text = io.StringIO()
-        writer = csv.DictWriter(text, self._COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(line for _, line in sorted(self._kept.items()))
-        write_atomically(self._path, text.getvalue())
+        write_lines(self._path, self._COLUMNS, (line for _, line in sorted(self._kept.items())))
 
     def _key(self, found: Found) -> str:
         """Of the entity, and of the checker or test that found the fault; of all that did not, where none did."""
@@ -163,9 +155,7 @@ class PortVerdicts:
             names = [found.by.partition("::")[0]]
         else:
             names = [*_simulations(found.entity, self._root), *sorted(f"formal/{p.name}" for p in tb.glob("formal/*"))]
-        files = [source_of(rtl, found.entity), *(tb / name for name in names)]
-        digests = "".join(hashlib.sha256(file.read_bytes()).hexdigest() for file in files)
-        return hashlib.sha256(digests.encode()).hexdigest()[:16]
+        return Keys().of([source_of(rtl, found.entity), *(tb / name for name in names)])
 
 
 INTRODUCTION = """\

@@ -4,14 +4,11 @@ A verdict rests on the entity's file, on the test that caught the fault, or on a
 of which the proof that nothing changes has no part in a fault that was caught.
 """
 
-import csv
-import hashlib
-import io
 from collections.abc import Iterable
 from pathlib import Path
 
-from gravcomp.files import write_atomically
 from gravcomp_lab.formal.claims import CLAIMS
+from gravcomp_lab.mutation.kept import Keys, read_lines, write_lines
 from gravcomp_lab.mutation.mutants import Mutant
 from gravcomp_lab.mutation.trial import CAUGHT, Outcome, relevant_tests
 from gravcomp_lab.synthesis.verilog import source_of
@@ -25,9 +22,8 @@ class Verdicts:
     """The table in a CSV file, for the tree in root, which is read once."""
 
     def __init__(self, path: Path, root: Path):
-        self._path, self._root, self._digests, self._relevant = path, root, {}, {}
-        lines = list(csv.DictReader(path.read_text().splitlines())) if path.exists() else []
-        self._kept = {self._name(line): line for line in lines}
+        self._path, self._root, self._keys, self._relevant = path, root, Keys(), {}
+        self._kept = {self._name(line): line for line in read_lines(path)}
         self._table = self._kept  # as it was last written
 
     def known(self, mutant: Mutant) -> Outcome | None:
@@ -54,11 +50,8 @@ class Verdicts:
             values = m.entity, m.line, m.kind, m.good, m.bad, outcome.result, outcome.test, outcome.seconds
             line = dict(zip(_COLUMNS, (*map(str, values), self._key(outcome)), strict=True))
             table[self._name(line)] = line
-        text = io.StringIO()
-        writer = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(sorted(table.values(), key=lambda line: (line["entity"], int(line["line"]), line["bad"])))
-        write_atomically(self._path, text.getvalue())
+        in_order = sorted(table.values(), key=lambda line: (line["entity"], int(line["line"]), line["bad"]))
+        write_lines(self._path, _COLUMNS, in_order)
         self._table = table
 
     def _key(self, outcome: Outcome) -> str:
@@ -68,17 +61,12 @@ class Verdicts:
         files += [root / "tb" / "formal" / f"{c.checker}.sv" for c in CLAIMS for test in tests if f"[{c.name}]" in test]
         tool = _TOOL if outcome.result == CAUGHT else (*_TOOL, _PROOF)
         files += [Path(__file__).with_name(name) for name in tool]
-        return hashlib.sha256("".join(self._digest(file) for file in files).encode()).hexdigest()[:16]
+        return self._keys.of(files)
 
     def _tests(self, entity: str) -> list[str]:
         if entity not in self._relevant:
             self._relevant[entity] = relevant_tests(entity, self._root / "rtl", self._root / "tb")
         return self._relevant[entity]
-
-    def _digest(self, file: Path) -> str:
-        if file not in self._digests:
-            self._digests[file] = hashlib.sha256(file.read_bytes() if file.is_file() else b"").hexdigest()
-        return self._digests[file]
 
     @staticmethod
     def _name(line: dict[str, str]) -> tuple[str, str, str, str]:
