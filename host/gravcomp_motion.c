@@ -43,7 +43,9 @@ bool gravcomp_motion_is_there(const gravcomp_bus *bus)
 void gravcomp_motion_configure(const gravcomp_bus *bus, const gravcomp_identity *identity,
                                const gravcomp_motion_settings *settings)
 {
-    write_word(bus, OFFSET(servo_filter), settings->servo_filter);
+    uint32_t speed_feed = settings->servo_speed_feed << GC_MOTION_REGISTERS__SERVO_FILTER__SPEED_FEED_bp;
+
+    write_word(bus, OFFSET(servo_filter), settings->servo_filter | speed_feed);
     write_axes(bus, identity, OFFSET(servo_proportional), settings->servo_proportional);
     write_axes(bus, identity, OFFSET(servo_integral), settings->servo_integral);
     write_axes(bus, identity, OFFSET(servo_derivative), settings->servo_derivative);

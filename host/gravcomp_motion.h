@@ -23,6 +23,7 @@ typedef enum {
 /* In the units of the registers, docs/guide/motion.md. */
 typedef struct {
     uint32_t servo_filter;                             /* ticks of the derivative's low-pass, as a power of two */
+    uint32_t servo_speed_feed;                         /* 1: the setpoint's speed is fed forward, 0: it is not */
     uint32_t servo_proportional[GRAVCOMP_MAX_AXES];    /* 2^-12 uA per count */
     uint32_t servo_integral[GRAVCOMP_MAX_AXES];        /* 2^-20 uA per count and tick */
     uint32_t servo_derivative[GRAVCOMP_MAX_AXES];      /* 2^-8 uA per count of lag */

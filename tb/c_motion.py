@@ -17,10 +17,7 @@ _U8, _U32, _I32 = ctypes.c_uint8, ctypes.c_uint32, ctypes.c_int32
 class CSettings(ctypes.Structure):
     """gravcomp_motion_settings."""
 
-    _fields_ = (
-        (fields(MotionSettings)[0].name, _U32),
-        *((f.name, _U32 * MAX_AXES) for f in fields(MotionSettings)[1:]),
-    )
+    _fields_ = tuple((f.name, _U32 if f.type is int else _U32 * MAX_AXES) for f in fields(MotionSettings))
 
 
 class CState(ctypes.Structure):

@@ -148,7 +148,7 @@ def test_gains_become_registers(limits):
     """By the units of docs/guide/motion.md: P 2^-12 uA, I 2^-20 uA and tick, D over 2^filter ticks 2^-8 uA of lag."""
     found = load_motion(limits, SPHEIRO)
     tick_s = 100e-6
-    assert found.servo_filter == 2
+    assert (found.servo_filter, found.servo_speed_feed) == (2, 0)
     assert found.servo_proportional == ((40 * 2**12),) * 3
     assert found.servo_integral == tuple(round(i * tick_s * 2**20) for i in (600, 500, 400))
     assert found.servo_derivative == (round(0.8 / (tick_s * 4) * 2**8),) * 3
@@ -157,12 +157,19 @@ def test_gains_become_registers(limits):
     assert found.acceleration_max == (round(1e6 * tick_s**2 * 2**24),) * 3
 
 
+@pytest.mark.parametrize("value", ["true", "false"])
+def test_speed_is_fed_forward_where_the_file_says_so(limits, value):
+    limits.write_text(LIMITS + MOTION + f"speed_feed_forward = {value}\n")
+    assert load_motion(limits, SPHEIRO).servo_speed_feed == (value == "true")
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
         ((MOTION, ""), "no table [motion]; add it with stiffness_ua_per_count"),
         (("filter = 2\n", ""), "[motion] filter: is missing; add it"),
         (("filter = 2", "filters = 2\nfilter = 2"), "[motion] filters: is no key of it"),
+        (("filter = 2", "filter = 2\nspeed_feed_forward = 1"), "[motion] speed_feed_forward: need true or false"),
         (("filter = 2", "filter = 16"), "[motion] filter: need a whole number from 0 to 15"),
         (("[600, 500, 400]", "[600, 500]"), "integral_ua_per_count_s: need a number from 0 on, or 3 of them"),
         (("= 40.0", "= -1"), "stiffness_ua_per_count: need a number from 0 on"),

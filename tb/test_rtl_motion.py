@@ -47,7 +47,7 @@ class Loop:
             getattr(dut, name).value = 0
         for name in ("proportional", "integral", "derivative"):
             getattr(dut, f"cfg_{name}").value = pack([getattr(g, name) for g in gains()], 32)
-        dut.cfg_filter.value = gains()[0].filter
+        dut.cfg_filter.value, dut.cfg_speed_feed.value = gains()[0].filter, 0
         dut.cfg_astray.value = pack([ASTRAY] * N, 32)
         for name, value in {"cfg_limit": LIMIT_UA, "drive_limit": LIMIT_UA, "drive_slew": SLEW_UA}.items():
             getattr(dut, name).value = pack([value] * N, 31)

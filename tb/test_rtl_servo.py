@@ -2,6 +2,7 @@
 
 import os
 import re
+from dataclasses import replace
 
 import cocotb
 import numpy as np
@@ -36,10 +37,10 @@ def n_axes() -> int:
 
 
 def configure(dut, gains) -> None:
-    """Gains of all axes; they share a filter."""
+    """Gains of all axes; they share a filter and what its derivative is of."""
     for name, bits in WIDTHS.items():
         getattr(dut, f"cfg_{name}").value = pack([getattr(g, name) for g in gains], bits)
-    dut.cfg_filter.value = gains[0].filter
+    dut.cfg_filter.value, dut.cfg_speed_feed.value = gains[0].filter, int(gains[0].speed_feed)
 
 
 async def begin(dut, gains, run=1) -> None:
@@ -75,8 +76,9 @@ async def equals_twin_for_any_gain_and_count(dut, seed):
     cocotb.log.info("seed %d", seed)
     rng, n = np.random.default_rng(seed), n_axes()
     await begin(dut, [Gains()] * n)
-    axes = [ServoAxis() for _ in range(n)]
+    axes, feeds = [ServoAxis() for _ in range(n)], False
     for _ in range(100):
+        feeds ^= bool(rng.random() < 0.2)
         shift = int(rng.integers(0, 31))
         count, setpoint = (corners_and_random(32, (n,), rng) >> shift for _ in range(2))
         drawn = {
@@ -85,7 +87,8 @@ async def equals_twin_for_any_gain_and_count(dut, seed):
         }
         drawn = {name: [min(x, 2 ** WIDTHS[name] - 1) for x in values] for name, values in drawn.items()}
         filter_ = int(rng.integers(0, 16))
-        gains = [Gains(filter=filter_, **{name: values[k] for name, values in drawn.items()}) for k in range(n)]
+        shared = {"filter": filter_, "speed_feed": feeds}
+        gains = [Gains(**shared, **{name: values[k] for name, values in drawn.items()}) for k in range(n)]
         configure(dut, gains)
         if rng.random() < 0.1:
             dut.run.value = 0
@@ -100,10 +103,11 @@ async def equals_twin_for_any_gain_and_count(dut, seed):
 
 
 @cocotb.test()
-async def largest_inputs_do_not_overflow(dut):
+@cocotb.parametrize(speed_feed=[False, True])
+async def largest_inputs_do_not_overflow(dut, speed_feed):
     """The largest of every gain, at the largest errors and lags in both directions, until the integral is full."""
     n = n_axes()
-    gains = [Gains(2**32 - 1, 2**32 - 1, 2**32 - 1, 0, 2**31 - 1)] * n
+    gains = [Gains(2**32 - 1, 2**32 - 1, 2**32 - 1, 0, 2**31 - 1, speed_feed=speed_feed)] * n
     low, high = -(2**31), 2**31 - 1
     counts = [[c] * n for c in (low, low, high, high, low, high, 0, low, high)]
     setpoints = [[s] * n for s in (high, high, low, high, high, low, low, low, low)]
@@ -145,10 +149,11 @@ async def feed_and_correction_saturate(dut):
 
 
 @cocotb.test()
-async def release_is_without_a_jump(dut):
+@cocotb.parametrize(speed_feed=[False, True])
+async def release_is_without_a_jump(dut, speed_feed):
     """After a stop nothing of before is left: no correction at the setpoint, whatever the speed and integral were."""
     n = n_axes()
-    await begin(dut, [TYPICAL] * n)
+    await begin(dut, [replace(TYPICAL, speed_feed=speed_feed)] * n)
     for k in range(20):
         await tick(dut, [50 * k] * n, [0] * n)
     assert all((await tick(dut, [2000] * n, [0] * n))[0])
@@ -158,6 +163,18 @@ async def release_is_without_a_jump(dut):
     dut.run.value = 1
     assert await tick(dut, [2100] * n, [2100] * n) == ([0] * n, [0] * n)
     assert await tick(dut, [2100] * n, [2100] * n) == ([0] * n, [0] * n)
+
+
+@cocotb.test()
+@cocotb.parametrize(speed_feed=[False, True])
+async def speed_feed_changes_without_a_jump(dut, speed_feed):
+    """Held far from the zero of its counts: from the tick on that finds the other setting nothing is asked."""
+    n, here = n_axes(), [3_000_000] * n_axes()
+    damped = Gains(derivative=4000, filter=3)
+    await begin(dut, [replace(damped, speed_feed=speed_feed)] * n)
+    for k in range(4):
+        configure(dut, [replace(damped, speed_feed=speed_feed ^ (k >= 2))] * n)
+        assert (await tick(dut, here, here))[0] == [0] * n
 
 
 @cocotb.test()
@@ -245,9 +262,9 @@ def test_no_sum_overflows_for_any_input(name, interval):
 
 def test_sums_of_extremes_reach_their_intervals():
     """The intervals are those of what happens: extremes come near them and stay within."""
-    axis, gains, most = ServoAxis(), Gains(2**32 - 1, 2**32 - 1, 2**32 - 1, 0, 2**31 - 1), {}
+    axis, gains, most = ServoAxis(), Gains(2**32 - 1, 2**32 - 1, 2**32 - 1, 0, 2**31 - 1, speed_feed=True), {}
     for k in range(40):
-        axis.tick((-1) ** k * (2**31 - 1), (-1) ** (k // 3) * (2**31 - 1), gains)
+        axis.tick((-1) ** k * (2**31 - 1), (-1) ** (k + k // 3) * (2**31 - 1), gains)
         for name, value in axis.sums.items():
             assert intervals()[name][0] <= value <= intervals()[name][1], name
             most[name] = max(most.get(name, 0), abs(value))
@@ -295,6 +312,17 @@ def test_gains_in_units_of_the_user():
     assert abs(drag + 20.0 * 3000) <= 20.0 * 1000 / 2**4
     with pytest.raises(ValueError, match=r"derivative gain: \d+ is not within 0 and 4294967295"):
         gains_of(1, 1, 1e9, 1e-3, 0, 1)
+
+
+def test_speed_feed_takes_the_drag_of_a_wanted_motion():
+    """At the setpoint's own speed D asks for nothing, ahead of it for as much as the difference; by the formula."""
+    speed, tick_s, filter_, damping_ua = 3, 1e-3, 4, 20.0
+    gains = gains_of(0, 0, damping_ua, tick_s, filter_, 10**9, speed_feed=True)
+    follows, overtakes = ServoAxis(), ServoAxis()
+    for k in range(2000):
+        assert follows.tick(speed * k - 500, speed * k, gains) == 0
+        drag = overtakes.tick((speed + 1) * k, speed * k, gains)
+    assert abs(drag + damping_ua * 1 / tick_s) <= damping_ua / tick_s / 2**filter_
 
 
 def test_servo_holds_a_mass_against_a_load_of_unknown_weight():

@@ -42,7 +42,7 @@ NIMBLE = {"reversal_clocks_g": STEP_CLOCKS, "dither_clocks_g": STEP_CLOCKS}
 TARGET = (122, -78, 42)
 
 
-def gains(**changes) -> MotionSettings:
+def gains(speed_feed: int = 0, **changes) -> MotionSettings:
     """Poles of a mass at OMEGA, all axes alike."""
     one = gains_of(3 * OMEGA**2 * MASS_UA, OMEGA**3 * MASS_UA, 3 * OMEGA * MASS_UA, 1.0, 1, 400_000)
     values = {
@@ -54,7 +54,8 @@ def gains(**changes) -> MotionSettings:
         "speed_max": FREE,
         "acceleration_max": FREE,
     }
-    return MotionSettings(one.filter, **{name: (changes.get(name, value),) * AXES for name, value in values.items()})
+    per_axis = {name: (changes.get(name, value),) * AXES for name, value in values.items()}
+    return MotionSettings(one.filter, servo_speed_feed=speed_feed, **per_axis)
 
 
 SETTINGS = Settings(
@@ -258,7 +259,7 @@ async def c_and_python_do_the_same(dut):
 
 
 def session(motion: Motion | CMotion, host: Host, wait) -> list:
-    motion.configure(gains())
+    motion.configure(gains(speed_feed=1))
     answers = [motion.move(TARGET, 60, POLLS), motion.record(Mode.SINGLE, POLLS, mean=True, ticks=1)]
     wait(30 * TICK_CLOCKS)
     answers += [motion.record_status(), len(motion.take(1000)), motion.record_status(), motion.take(1000)]

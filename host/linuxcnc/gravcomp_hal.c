@@ -339,6 +339,7 @@ static int export_all(int id, const char *name)
     NUMBERS(EXPORT)
 #undef EXPORT
     bad |= hal_param_u32_newf(HAL_RW, &hal->motion.servo_filter, id, "%s.servo-filter", name);
+    bad |= hal_param_u32_newf(HAL_RW, &hal->motion.servo_speed_feed, id, "%s.servo-speed-feed", name);
     for (int i = 0; i < AXES; i++) {
         bad |= export_axis(id, name, i);
     }

@@ -132,8 +132,14 @@ architecture rtl of gc_motion_registers is
         load_next : std_logic;
     end record;
 
+    type gc_motion_registers_servo_filter_speed_feed_combo_t is record
+        next_q : std_logic;
+        load_next : std_logic;
+    end record;
+
     type gc_motion_registers_servo_filter_combo_t is record
         ticks : gc_motion_registers_servo_filter_ticks_combo_t;
+        speed_feed : gc_motion_registers_servo_filter_speed_feed_combo_t;
     end record;
 
     type gc_motion_registers_record_control_mode_combo_t is record
@@ -295,8 +301,13 @@ architecture rtl of gc_motion_registers is
         value : std_logic_vector(3 downto 0);
     end record;
 
+    type gc_motion_registers_servo_filter_speed_feed_storage_t is record
+        value : std_logic;
+    end record;
+
     type gc_motion_registers_servo_filter_storage_t is record
         ticks : gc_motion_registers_servo_filter_ticks_storage_t;
+        speed_feed : gc_motion_registers_servo_filter_speed_feed_storage_t;
     end record;
 
     type gc_motion_registers_record_control_mode_storage_t is record
@@ -824,6 +835,35 @@ begin
     end process;
     hwif_out.servo_filter.ticks.value <= field_storage.servo_filter.ticks.value;
 
+    -- Field: gc_motion_registers.servo_filter.speed_feed
+    process(all)
+        variable next_c: std_logic;
+        variable load_next_c: std_logic;
+    begin
+        next_c := field_storage.servo_filter.speed_feed.value;
+        load_next_c := '0';
+        if decoded_reg_strb.servo_filter and decoded_req_is_wr then -- SW write
+            if decoded_wr_biten(8) then next_c := decoded_wr_data(8); end if;
+            load_next_c := '1';
+        end if;
+        field_combo.servo_filter.speed_feed.next_q <= next_c;
+        field_combo.servo_filter.speed_feed.load_next <= load_next_c;
+    end process;
+    process(clk) begin
+        if false then -- async reset
+            field_storage.servo_filter.speed_feed.value <= '0';
+        elsif rising_edge(clk) then
+            if rst then -- sync reset
+                field_storage.servo_filter.speed_feed.value <= '0';
+            else
+                if field_combo.servo_filter.speed_feed.load_next then
+                    field_storage.servo_filter.speed_feed.value <= field_combo.servo_filter.speed_feed.next_q;
+                end if;
+            end if;
+        end if;
+    end process;
+    hwif_out.servo_filter.speed_feed.value <= field_storage.servo_filter.speed_feed.value;
+
     -- Field: gc_motion_registers.record_control.mode
     process(all)
         variable next_c: std_logic_vector(1 downto 0);
@@ -1305,6 +1345,7 @@ begin
         end if;
         if read_select((16#804#) / 4) then
             readback_data_var(3 downto 0) := readback_data_var(3 downto 0) or field_storage.servo_filter.ticks.value;
+            readback_data_var(8) := readback_data_var(8) or field_storage.servo_filter.speed_feed.value;
         end if;
         if read_select((16#808#) / 4) then
             readback_data_var(1 downto 0) := readback_data_var(1 downto 0) or field_storage.record_control.mode.value;

@@ -121,8 +121,13 @@ package gc_motion_registers_pkg is
         value : std_logic_vector(3 downto 0);
     end record;
 
+    type gc_motion_registers_servo_filter_speed_feed_out_t is record
+        value : std_logic;
+    end record;
+
     type gc_motion_registers_servo_filter_out_t is record
         ticks : gc_motion_registers_servo_filter_ticks_out_t;
+        speed_feed : gc_motion_registers_servo_filter_speed_feed_out_t;
     end record;
 
     type gc_motion_registers_record_control_mode_out_t is record

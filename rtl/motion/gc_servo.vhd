@@ -2,15 +2,18 @@
 --
 -- A PID per axis that adds to the feed-forward what holds the axis at its setpoint.
 --
---   e = setpoint - count                       lag = count - slow,   slow := slow + lag / 2**filter     (counts)
+--   e = setpoint - count                       lag = place - slow,   slow := slow + lag / 2**filter     (counts)
 --   correction = limited(P e + integral - D lag)                     integral := limited(integral + I e)
 --   out_current = saturated(feed_current + correction)
 --
--- slow is the count behind a low-pass of 2**filter ticks, so lag / 2**filter is the filtered speed in counts per tick:
--- D is the derivative gain on the measurement, divided by 2**filter ticks. limited: to +- cfg_limit of the axis.
+-- place is the count, or with cfg_speed_feed what it is ahead of the setpoint, -e. slow is that behind a low-pass of
+-- 2**filter ticks, so lag / 2**filter is a filtered speed in counts per tick: D is the derivative gain, divided by
+-- 2**filter ticks, on the measured speed, or with cfg_speed_feed on what that is ahead of the setpoint's: a motion that
+-- is wanted is not braked. limited: to +- cfg_limit of the axis.
 -- Anti-windup: an integral that is limited, or would drive a correction further that is beyond the limit, stays.
 -- Transparent with all gains zero; where I is zero the integral is.
 -- run = '0', that is braked or any fault: correction, integral and lag are zero one clock later, and start from there.
+-- The lag also starts from zero in the tick that finds another cfg_speed_feed.
 -- gc_drive stands behind: what a change of gains, limits or constants moves the sum by, it ramps by its slew.
 --
 -- Formats: 32 bits, counts; feed, limit, correction 32 bits, uA. Gains 32 bits: P uA per count with 12 bits behind the
@@ -49,6 +52,8 @@ entity gc_servo is
     cfg_derivative   : in    unsigned(axes_g * gain_bits_c - 1 downto 0);
     -- Ticks of the low-pass, as a power of two, of every axis.
     cfg_filter       : in    unsigned(filter_bits_c - 1 downto 0);
+    -- The setpoints' speed is fed forward, on every axis.
+    cfg_speed_feed   : in    std_ulogic;
     -- Largest correction, uA, axis 1 lowest.
     cfg_limit        : in    unsigned(axes_g * 31 - 1 downto 0);
     -- Largest position error that is no fault, counts, axis 1 lowest.
@@ -71,7 +76,7 @@ architecture rtl of gc_servo is
   -- Largest magnitudes. A product: 2**32 2**23 = 2**55, in product_c bits with its sign. The integral: 2**31 2**20.
   constant product_c  : positive := gain_bits_c + 1 + distance_bits_c;
   constant integral_c : positive := 32 + integral_fraction_c;
-  constant slow_c     : positive := 32 + slow_fraction_c;
+  constant slow_c     : positive := 33 + slow_fraction_c;
   constant drop_c     : natural := slow_fraction_c - lag_fraction_c;
   constant gap_c      : natural := integral_fraction_c - proportional_fraction_c;
 
@@ -90,17 +95,21 @@ architecture rtl of gc_servo is
   signal astray       : gains_t;
 
   -- The axis that is worked on, and bit k: it is in step k.
-  signal axis : natural range 0 to axes_g - 1 := 0;
-  signal step : std_ulogic_vector(1 to servo_steps_c) := (others => '0');
+  signal axis  : natural range 0 to axes_g - 1 := 0;
+  signal step  : std_ulogic_vector(1 to servo_steps_c) := (others => '0');
+  -- A tick is taken.
+  signal takes : std_ulogic;
 
   -- What came with the tick.
   signal count    : words_t;
   signal setpoint : words_t;
+  signal feeds    : std_ulogic := '0';
 
   signal error_1  : signed(32 downto 0);
-  signal lag_1    : signed(slow_c downto 0);
+  signal place_1  : signed(32 downto 0);
   signal error_2  : signed(distance_bits_c - 1 downto 0);
-  signal lag_2    : signed(distance_bits_c - 1 downto 0);
+  signal lag_2    : signed(slow_c downto 0);
+  signal lag_3    : signed(distance_bits_c - 1 downto 0);
   signal gain     : signed(gain_bits_c downto 0);
   signal distance : signed(distance_bits_c - 1 downto 0);
   signal product  : signed(product_c - 1 downto 0);
@@ -110,7 +119,8 @@ architecture rtl of gc_servo is
   signal swing_7  : signed(product_c downto 0);
   signal total_8  : signed(product_c + 1 downto 0);
 
-  -- Axes that a tick has found since run rose, their integral (uA), low-passed position (counts) and correction (uA).
+  -- Axes that a tick has found since run rose or feeds changed; their integral (uA), low-passed place (counts) and
+  -- correction (uA).
   signal known      : std_ulogic_vector(axes_g - 1 downto 0) := (others => '0');
   signal summed     : integrals_t := (others => (others => '0'));
   signal slow       : slows_t;
@@ -131,6 +141,8 @@ begin
     sts_correction((i + 1) * 32 - 1 downto i * 32) <= correction(i);
   end generate g_axis;
 
+  takes <= '1' when in_valid = '1' and unsigned(step) = 0 else '0';
+
   -- One axis after the other, one step a clock: one multiplier serves three gains of all axes.
   p_steps : process (clk) is
   begin
@@ -141,9 +153,10 @@ begin
         axis <= axis + 1;
         step(1) <= '1';
       end if;
-      if in_valid = '1' and unsigned(step) = 0 then
+      if takes = '1' then
         axis <= 0;
         step(1) <= '1';
+        feeds <= cfg_speed_feed;
 
         for i in 0 to axes_g - 1 loop
 
@@ -170,7 +183,7 @@ begin
       gain <= integral(axis);
     elsif step(5) = '1' then
       gain <= derivative(axis);
-      distance <= lag_2;
+      distance <= lag_3;
     end if;
 
   end process p_operands;
@@ -201,22 +214,30 @@ begin
     if rising_edge(clk) then
       -- step 1: distances, one bit wider than their terms
       error_1 <= resize(setpoint(axis), 33) - count(axis);
-      lag_1 <= shift_left(resize(count(axis), slow_c + 1), slow_fraction_c) - slow(axis);
+      place_1 <= resize(count(axis), 33);
+      if feeds = '1' then
+        place_1 <= resize(count(axis), 33) - setpoint(axis);
+      end if;
 
-      -- step 2: clip. slow moves towards the count and never beyond it.
-      slow_v := slow(axis) + shift_right(lag_1, to_integer(cfg_filter));
+      -- step 2: so is the lag; the error is clipped
+      lag_2 <= shift_left(resize(place_1, slow_c + 1), slow_fraction_c) - slow(axis);
       if step(2) = '1' then
         error_2 <= saturate(error_1, distance_bits_c);
-        lag_2 <= saturate(truncate(lag_1, drop_c, lag_1'length - drop_c), distance_bits_c);
-        slow(axis) <= slow_v(slow_c - 1 downto 0);
-        known(axis) <= '1';
-        if known(axis) = '0' then
-          lag_2 <= (others => '0');
-          slow(axis) <= shift_left(resize(count(axis), slow_c), slow_fraction_c);
-        end if;
         out_astray(axis) <= '0';
         if error_1 > astray(axis) or error_1 < -astray(axis) then
           out_astray(axis) <= '1';
+        end if;
+      end if;
+
+      -- step 3: so is the lag. slow moves towards the place and never beyond it.
+      slow_v := slow(axis) + shift_right(lag_2, to_integer(cfg_filter));
+      if step(3) = '1' then
+        lag_3 <= saturate(truncate(lag_2, drop_c, lag_2'length - drop_c), distance_bits_c);
+        slow(axis) <= slow_v(slow_c - 1 downto 0);
+        known(axis) <= '1';
+        if known(axis) = '0' then
+          lag_3 <= (others => '0');
+          slow(axis) <= shift_left(resize(place_1, slow_c), slow_fraction_c);
         end if;
       end if;
 
@@ -264,6 +285,9 @@ begin
         end if;
       end if;
 
+      if takes = '1' and cfg_speed_feed /= feeds then
+        known <= (others => '0');
+      end if;
       if run = '0' or rst = '1' then
         known <= (others => '0');
         summed <= (others => (others => '0'));

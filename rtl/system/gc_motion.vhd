@@ -184,6 +184,7 @@ begin
       cfg_integral     => integral,
       cfg_derivative   => derivative,
       cfg_filter       => unsigned(in_settings.filter),
+      cfg_speed_feed   => in_settings.speed_feed,
       cfg_limit        => servo_limit,
       cfg_astray       => following_max,
       feed_valid       => in_valid,

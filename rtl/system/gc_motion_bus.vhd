@@ -231,6 +231,7 @@ begin
   out_move <= regs_out.motion_command.move.value;
   out_settings.move_ticks <= regs_out.move_ticks.value.value;
   out_settings.filter <= regs_out.servo_filter.ticks.value;
+  out_settings.speed_feed <= regs_out.servo_filter.speed_feed.value;
   out_settings.record_mode <= regs_out.record_control.mode.value;
   out_settings.record_mean <= regs_out.record_control.mean.value;
   out_settings.record_ticks <= regs_out.record_control.ticks.value;

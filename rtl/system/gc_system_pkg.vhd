@@ -56,6 +56,7 @@ package gc_system_pkg is
   type motion_settings_t is record
     move_ticks       : word_t;
     filter           : std_ulogic_vector(3 downto 0);
+    speed_feed       : std_ulogic;
     record_mode      : std_ulogic_vector(1 downto 0);
     record_mean      : std_ulogic;
     record_ticks     : std_ulogic_vector(3 downto 0);
@@ -75,6 +76,7 @@ package gc_system_pkg is
   (
     move_ticks       => (others => '0'),
     filter           => (others => '0'),
+    speed_feed       => '0',
     record_mode      => (others => '0'),
     record_mean      => '0',
     record_ticks     => (others => '0'),
@@ -102,7 +104,7 @@ package gc_system_pkg is
   -- Bits of settings_t that stay as the host wrote them, in words with a bit of parity each.
   constant core_held_bits_c  : positive := 2 + axes_c + 9 * 32 + (4 * 32 + 4 * 31) * axes_c;
   constant core_held_words_c : positive := (core_held_bits_c + 31) / 32;
-  constant motion_bits_c     : positive := 2 * 32 + 27 + (7 * 32 + 31) * axes_c;
+  constant motion_bits_c     : positive := 2 * 32 + 28 + (7 * 32 + 31) * axes_c;
   constant held_bits_c       : positive := core_held_bits_c + motion_bits_c;
   constant held_words_c      : positive := (held_bits_c + 31) / 32;
 
@@ -405,6 +407,7 @@ package body gc_system_pkg is
 
     exchange(word, motion.move_ticks);
     exchange(word, motion.filter);
+    exchange(word, motion.speed_feed);
     exchange(word, motion.record_mode);
     exchange(word, motion.record_mean);
     exchange(word, motion.record_ticks);

@@ -10,6 +10,7 @@ module servo (
     input [31:0] cfg_integral,
     input [31:0] cfg_derivative,
     input [3:0] cfg_filter,
+    input cfg_speed_feed,
     input [30:0] cfg_limit,
     input [31:0] cfg_astray,
     input feed_valid,
@@ -22,8 +23,8 @@ module servo (
   gc_servo dut (
       .clk(clk), .rst(rst), .run(run), .in_valid(in_valid), .in_count(in_count), .in_setpoint(in_setpoint),
       .cfg_proportional(cfg_proportional), .cfg_integral(cfg_integral), .cfg_derivative(cfg_derivative),
-      .cfg_filter(cfg_filter), .cfg_limit(cfg_limit), .cfg_astray(cfg_astray), .feed_valid(feed_valid),
-      .feed_current(feed_current), .out_valid(out_valid), .out_current(out_current), .out_astray(out_astray),
+      .cfg_filter(cfg_filter), .cfg_speed_feed(cfg_speed_feed), .cfg_limit(cfg_limit), .cfg_astray(cfg_astray),
+      .feed_valid(feed_valid), .feed_current(feed_current), .out_valid(out_valid), .out_current(out_current), .out_astray(out_astray),
       .sts_correction(sts_correction)
   );
 

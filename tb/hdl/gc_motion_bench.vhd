@@ -29,6 +29,7 @@ entity gc_motion_bench is
     cfg_integral     : in    unsigned(axes_c * gain_bits_c - 1 downto 0);
     cfg_derivative   : in    unsigned(axes_c * gain_bits_c - 1 downto 0);
     cfg_filter       : in    unsigned(filter_bits_c - 1 downto 0);
+    cfg_speed_feed   : in    std_ulogic;
     cfg_limit        : in    unsigned(axes_c * 31 - 1 downto 0);
     cfg_astray       : in    unsigned(axes_c * 32 - 1 downto 0);
     drive_limit      : in    unsigned(axes_c * 31 - 1 downto 0);
@@ -97,6 +98,7 @@ begin
       cfg_integral     => cfg_integral,
       cfg_derivative   => cfg_derivative,
       cfg_filter       => cfg_filter,
+      cfg_speed_feed   => cfg_speed_feed,
       cfg_limit        => cfg_limit,
       cfg_astray       => cfg_astray,
       feed_valid       => feed_valid,

@@ -10,9 +10,11 @@ from gravcomp.twin.recorder import Mode, words_of
 
 @dataclass(frozen=True)
 class MotionSettings:
-    """Gains and limits in the units of their registers: docs/guide/motion.md. servo_filter is that of all axes."""
+    """Gains and limits in the units of their registers: docs/guide/motion.md. servo_filter and servo_speed_feed
+    (0 or 1) are those of all axes."""
 
     servo_filter: int
+    servo_speed_feed: int
     servo_proportional: tuple[int, ...]
     servo_integral: tuple[int, ...]
     servo_derivative: tuple[int, ...]
@@ -59,8 +61,9 @@ class Motion:
         self._map = read_registers(MOTION_XML)
 
     def configure(self, settings: MotionSettings) -> None:
-        self._write("servo_filter", settings.servo_filter)
-        for field in fields(settings)[1:]:
+        feed, _ = self._map["servo_filter"].fields["speed_feed"]
+        self._write("servo_filter", settings.servo_filter | settings.servo_speed_feed << feed)
+        for field in fields(settings)[2:]:
             self._write_axes(field.name, getattr(settings, field.name))
 
     def move(self, target: tuple[int, ...], ticks: int, polls: int) -> Result:

@@ -42,6 +42,7 @@ PER_AXIS = (
     "acceleration_counts_per_s2",
 )
 FILTER = "filter"
+SPEED_FEED = "speed_feed_forward"  # the only one that may be missing: the setpoint's speed is not fed forward then
 
 
 class Mover:
@@ -162,23 +163,27 @@ def load_motion(path: Path, folder: Path | str) -> MotionSettings:
     """Gains and limits of the table [motion] of a file of limits, for the core of a machine folder.
 
     Stiffness in uA per count, integral in uA per count and second, damping in uA per count/s of a speed filtered
-    over 2**filter ticks; limits in uA, counts, counts/s and counts/s^2. What each axis has of its own is one number for
-    all, or one per axis in brackets. Raises InputError for what is missing, unknown or out of range.
+    over 2**filter ticks, which with speed_feed_forward is what it is ahead of the setpoint's; limits in uA, counts,
+    counts/s and counts/s^2. What each axis has of its own is one number for all, or one per axis in brackets. Raises
+    InputError for what is missing, unknown or out of range.
     """
     table, n_axes = read_limits(path), load_machine(folder).n_axes
     values = table.get("motion")
     if not isinstance(values, dict):
         raise InputError(f"{path}: no table [motion]; add it with {', '.join((*PER_AXIS, FILTER))}")
-    if wrong := sorted(set(values) ^ {*PER_AXIS, FILTER}):
+    if wrong := sorted((set(values) - {SPEED_FEED}) ^ {*PER_AXIS, FILTER}):
         known = wrong[0] in (*PER_AXIS, FILTER)
         raise InputError(f"{path}: [motion] {wrong[0]}: " + ("is missing; add it" if known else "is no key of it"))
     if not (isinstance(values[FILTER], int) and 0 <= values[FILTER] <= 15):
         raise InputError(f"{path}: [motion] {FILTER}: need a whole number from 0 to 15")
+    feeds = values.get(SPEED_FEED, False)
+    if not isinstance(feeds, bool):
+        raise InputError(f"{path}: [motion] {SPEED_FEED}: need true or false")
     tick_s = table.get("tick_us", 0) * 1e-6
     columns = {name: _per_axis(path, name, values[name], n_axes) for name in PER_AXIS}
     axes = [_axis(path, dict(zip(PER_AXIS, row, strict=True)), values[FILTER], tick_s)
             for row in zip(*columns.values(), strict=True)]  # fmt: skip
-    return MotionSettings(values[FILTER], *(tuple(column) for column in zip(*axes, strict=True)))
+    return MotionSettings(values[FILTER], int(feeds), *(tuple(column) for column in zip(*axes, strict=True)))
 
 
 def _axis(path: Path, values: dict[str, float], filter_: int, tick_s: float) -> tuple[int, ...]:

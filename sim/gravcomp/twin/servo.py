@@ -15,7 +15,8 @@ STEPS = 9  # clocks per axis
 
 @dataclass(frozen=True)
 class Gains:
-    """One axis: gains in their raw units, filter the power of two of its ticks, limit in uA, astray in counts."""
+    """One axis: gains in their raw units, filter the power of two of its ticks, limit in uA, astray in counts;
+    speed_feed: the setpoint's speed is fed forward."""
 
     proportional: int = 0
     integral: int = 0
@@ -23,10 +24,17 @@ class Gains:
     filter: int = 0
     limit: int = 2**31 - 1
     astray: int = 2**32 - 1
+    speed_feed: bool = False
 
 
 def gains_of(
-    stiffness_ua: float, integral_ua: float, damping_ua: float, tick_s: float, filter_: int, limit_ua: float
+    stiffness_ua: float,
+    integral_ua: float,
+    damping_ua: float,
+    tick_s: float,
+    filter_: int,
+    limit_ua: float,
+    speed_feed: bool = False,
 ) -> Gains:
     """Gains from uA per count, uA per count and second, and uA per count and second of speed, rounded.
 
@@ -40,7 +48,7 @@ def gains_of(
     for name, value in raw.items():
         if not 0 <= value < 2**GAIN_BITS:
             raise ValueError(f"{name} gain: {value} is not within 0 and {2**GAIN_BITS - 1}")
-    return Gains(**raw, filter=filter_, limit=round(limit_ua))
+    return Gains(**raw, filter=filter_, limit=round(limit_ua), speed_feed=speed_feed)
 
 
 def clip(value: int, limit: int) -> int:
@@ -59,6 +67,7 @@ class ServoAxis:
 
     summed: int = 0
     slow: int | None = None
+    feeds: bool = False
     correction: int = 0
     is_astray: bool = False
     sums: dict[str, int] = field(default_factory=dict)
@@ -70,8 +79,11 @@ class ServoAxis:
     def tick(self, count: int, setpoint: int, gains: Gains) -> int:
         """One tick; returns the correction, uA."""
         error = setpoint - count
-        lag = 0 if self.slow is None else (count << SLOW_FRACTION) - self.slow
-        self.slow = count << SLOW_FRACTION if self.slow is None else self.slow + (lag >> gains.filter)
+        place = -error if gains.speed_feed else count
+        is_new = self.slow is None or self.feeds != gains.speed_feed
+        self.feeds = gains.speed_feed
+        lag = 0 if is_new else (place << SLOW_FRACTION) - self.slow
+        self.slow = place << SLOW_FRACTION if is_new else self.slow + (lag >> gains.filter)
         self.is_astray = abs(error) > gains.astray
         error_2 = saturate(error, DISTANCE_BITS)
         lag_2 = saturate(lag >> SLOW_FRACTION - LAG_FRACTION, DISTANCE_BITS)
@@ -82,7 +94,8 @@ class ServoAxis:
         whole = total >> PROPORTIONAL_FRACTION
         self.sums = {
             "error_1": error,
-            "lag_1": lag,
+            "place_1": place,
+            "lag_2": lag,
             "slow": self.slow,
             "sum_6": sum_6,
             "swing_7": swing,
@@ -111,11 +124,13 @@ def intervals() -> dict[str, tuple[int, int]]:
     product = (2**GAIN_BITS - 1) * 2 ** (DISTANCE_BITS - 1)
     summed = high << INTEGRAL_FRACTION
     total = 2 * product + (summed >> INTEGRAL_FRACTION - PROPORTIONAL_FRACTION) + 1
-    lag = (high - low) << SLOW_FRACTION
+    place = high - low
+    lag = 2 * place << SLOW_FRACTION
     return {
-        "error_1": (low - high, high - low),
-        "lag_1": (-lag, lag),
-        "slow": (low << SLOW_FRACTION, high << SLOW_FRACTION),  # between counts
+        "error_1": (-place, place),
+        "place_1": (-place, place),
+        "lag_2": (-lag, lag),
+        "slow": (-place << SLOW_FRACTION, place << SLOW_FRACTION),  # between places
         "sum_6": (-summed - product, summed + product),
         "swing_7": (-2 * product, 2 * product),
         "total_8": (-total, total),

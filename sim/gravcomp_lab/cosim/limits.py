@@ -42,6 +42,7 @@ def limits_toml(world: World) -> str:
         "integral_ua_per_count_s": ki.tolist(),
         "damping_ua_s_per_count": kd.tolist(),
         "filter": _FILTER,
+        "speed_feed_forward": "true",
         "servo_limit_ua": limit,
         "following_counts": 2000,
         "speed_counts_per_s": round(0.8 * fastest),
