@@ -6,6 +6,7 @@ import pytest
 from gravcomp.diagnosis.candidate import Parameter, Term, Variable
 from gravcomp.diagnosis.corrections import Table
 from gravcomp.diagnosis.effects.coulomb_friction import DirectionalCoulombFriction
+from gravcomp.diagnosis.effects.nonlinear_cable_spring import NonlinearCableSpring
 from gravcomp.diagnosis.effects.stribeck_friction import StribeckFriction
 from gravcomp.diagnosis.effects.viscous_friction import DirectionalViscousFriction, ViscousFriction
 from gravcomp.diagnosis.fit import fit_terms
@@ -86,3 +87,25 @@ def test_friction_at_rest_is_never_less_than_at_speed_with_what_the_model_has(kn
     at_speed = others + own.get("fc_1", 0.0) + parameters["fc_1"]
     assert at_rest >= at_speed - 1e-6
     assert at_speed >= -1e-6
+
+
+def test_effect_and_table_do_not_cancel_each_other_at_the_few_places_of_a_log():
+    """At five places, to a part in 1e5, a table is any curve. What both could carry the curve of the cable carries, and
+    between the places it is right to within the noise, where large ones that cancel are wrong by far more.
+    """
+    rng, places = np.random.default_rng(7), np.linspace(-1.0, 1.0, 5)
+    spring, truth = NonlinearCableSpring(), {Parameter(f"k{k}", 0): value for k, value in ((1, 2.0), (2, 1.0))}
+
+    def log(q):
+        t, nothing = 1.0 * np.arange(N), np.zeros((N, 1))
+        return Measurement("holds", t, q[:, None], None, nothing, nothing, "N", ("m",), None, None, None)
+
+    holds, between = log(rng.choice(places, N) + 1e-5 * rng.standard_normal(N)), log(rng.uniform(-1.0, 1.0, N))
+    force = spring.predict(holds, truth) + NOISE_N * rng.standard_normal((N, 1))
+    table = Table(0, (Variable("q", 0),), tuple(places))
+    own = Term(spring, tuple(truth), spring.shapes(holds)[0])
+    beside = Term(table, tuple(table.columns(holds)))
+    fit = fit_terms(holds, force, np.arange(N), [own], [beside], np.array([NOISE_N]))
+    error = fit.predict(between) - spring.predict(between, truth)
+    assert np.abs(error).max() < 4 * NOISE_N
+    assert np.abs(fit.corrections[0].force(between)).max() < 4 * NOISE_N

@@ -5,9 +5,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from sklearn.model_selection import GroupKFold
 
 from gravcomp.diagnosis.diagnosis import diagnose
+from gravcomp.diagnosis.effects import effect_named
 from gravcomp.diagnosis.model import Model
+from gravcomp.diagnosis.samples import split
 from gravcomp.logs.measurement import Measurement
 from gravcomp.robot.machine import load_machine
 from gravcomp_lab.__main__ import main
@@ -29,19 +32,45 @@ def made_holds(n=160) -> Measurement:
     return Measurement("made", 2.0 * np.arange(n), q, v, measured, f, "Nm", ("rad",) * 2, None, robot.forces, robot)
 
 
-def test_400_holds_of_the_real_arm_have_cables_where_the_arm_has_them():
-    """Elastic cables on joints 4 and 5, weights that the model lacks on 2 and 3; 16 mNm of 250 are left, held out.
-    With this draw the weight of the upper arm was a cable on joint 2.
+@pytest.mark.parametrize("seed", [1, 3])
+def test_400_holds_of_the_real_arm_have_cables_where_the_arm_has_them(seed):
+    """Elastic cables on joints 4 and 5, weights that the model lacks on 2 and 3; 16 mNm of 250 are left, held out and
+    on the 5850 holds beside. With draw 3 the weight of the upper arm was a cable on joint 2; with draw 1 that weight
+    and a table over q2 were 26 Nm each and cancelled, and 22 mNm were left on the other holds.
     """
     folder = Path(published(str(real.HOLDS))).parents[1]
     machine = load_machine(WEIGHTS / "dvrk_mtm")
     holds = real.read_holds(folder, machine)
-    own = real.rows_of(holds, np.sort(np.random.default_rng(3).permutation(len(holds.t_s))[:400]))
-    found = diagnose(own, Model(machine), 3)
+    order = np.random.default_rng(seed).permutation(len(holds.t_s))
+    own, others = (real.rows_of(holds, np.sort(rows)) for rows in (order[:400], order[400:]))
+    found = diagnose(own, Model(machine), seed)
     axes = {e.name: {name.axis + 1 for name in e.parameters if name.axis is not None} for e in found.fit.effects}
     assert "body_moment" in axes
     assert axes["nonlinear_cable_spring"] == {4, 5}
     assert np.sqrt(np.mean(found.after[found.is_test] ** 2)) <= 0.016
+    error = others.force - others.nominal - found.fit.predict(others)
+    assert np.sqrt(np.mean(error**2)) <= 0.016
+
+
+def test_small_names_of_the_real_arms_last_joint_hold_on_blocks_that_were_not_fitted():
+    """Spring and friction by load on joint 6, of 2 and 3 mNm beside 4.6 that are left without them: what each takes off
+    blocks that taught nothing is above zero in 97.5 % of the bootstraps over blocks. No other log of the arm is known.
+    """
+    folder = Path(published(str(real.HOLDS))).parents[1]
+    holds = real.read_holds(folder, load_machine(WEIGHTS / "dvrk_mtm"))
+    effort, model, sign = (x[:, 5] for x in (holds.force - holds.nominal, holds.nominal, holds.direction))
+    weights = np.stack(list(effect_named("body_moment").columns(holds, {}).values()), axis=-1)[:, 5]
+    known = np.column_stack([weights, np.ones(len(effort)), sign])
+    blocks = split.block_labels(holds, 1)
+    rng = np.random.default_rng(0)
+    for column in (holds.q[:, 5], np.abs(model) * sign):
+        gain = np.zeros(blocks.max() + 1)
+        for train, test in GroupKFold(8).split(known, groups=blocks):
+            for x, factor in ((known, 1.0), (np.column_stack([known, column]), -1.0)):
+                left = effort[test] - x[test] @ np.linalg.lstsq(x[train], effort[train], rcond=1e-9)[0]
+                gain += factor * np.bincount(blocks[test], left**2, len(gain))
+        drawn = gain[rng.integers(0, len(gain), (2000, len(gain)))].sum(axis=1)
+        assert np.quantile(drawn, 0.025) > 0.0
 
 
 def test_errors_are_those_of_the_paper_and_in_percent_of_the_rms_effort():

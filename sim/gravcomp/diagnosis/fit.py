@@ -1,4 +1,9 @@
-"""Exact fit of chosen terms: effects by their own equations, corrections linearly; Huber weights by outer turns."""
+"""Exact fit of chosen terms: effects by their own equations, corrections linearly; Huber weights by outer turns.
+
+A correction has a prior, an effect has none: each of its columns accounts for no more than all that is to be explained.
+Where a table could carry what an effect could carry as well, or the two could cancel each other, the effect has it; a
+correction that the data decide is off by a part in the squared signal-to-noise ratio of the log.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +14,7 @@ from scipy import stats
 from scipy.optimize import least_squares
 
 from gravcomp.diagnosis.candidate import Parameter, Term
-from gravcomp.diagnosis.thresholds import HUBER, HUBER_TURNS, MAD_TO_SIGMA, PULL, TINY
+from gravcomp.diagnosis.thresholds import HUBER, HUBER_TURNS, MAD_TO_SIGMA, PULL, RIDGE_LEAST, TINY
 from gravcomp.logs.measurement import Measurement
 
 
@@ -82,18 +87,51 @@ def fit_terms(
 
 def _linear_start(data, y, rows, effects, corrections, weight) -> list[dict[Parameter, float]]:
     """Coefficients of the linearised terms, turned into parameters of the effects."""
-    terms = [*effects, *corrections]
-    blocks = [term.columns(data)[rows] * weight[..., None] for term in terms]
+    blocks = [term.columns(data)[rows] * weight[..., None] for term in [*effects, *corrections]]
     x = np.concatenate(blocks, axis=-1).reshape(y.size, -1)
-    norm = np.linalg.norm(x, axis=0)
-    norm[norm < TINY] = 1.0  # what moves nothing, as a moment on slides, is of no size, not of rounding over nothing
-    theta = np.linalg.lstsq(x / norm, (y * weight).ravel(), rcond=1e-9)[0] / norm
+    norm, goal = _sizes(x), (y * weight).ravel()
+    n_free = sum(len(term.labels) for term in effects)
+    ridge = _ridge(goal) * np.eye(x.shape[1])[n_free:]
+    padded = np.append(goal, np.zeros(len(ridge)))
+    theta = np.linalg.lstsq(np.vstack([x / norm, ridge]), padded, rcond=1e-9)[0] / norm
     out, at = [], 0
     for term in effects:
         own = dict(zip(term.labels, theta[at : at + len(term.labels)].tolist(), strict=True))
         at += len(term.labels)
         out.append(_parameters(term, own))
     return out
+
+
+def _sizes(x: np.ndarray) -> np.ndarray:
+    """Norms of columns; of one that moves nothing, as a moment on slides, 1 and no rounding over nothing."""
+    norm = np.linalg.norm(x, axis=0)
+    return np.where(norm < TINY, 1.0, norm)
+
+
+def _ridge(goal: np.ndarray) -> float:
+    """1/|goal|, for columns of size one: the prior of a coefficient is zero to within all that is to be explained, in
+    units of its noise. Data without noise leave it a size that rounding does not reach.
+    """
+    return max(1.0 / max(float(np.linalg.norm(goal)), 1.0), RIDGE_LEAST)
+
+
+class _Taken:
+    """What corrections take of errors: ridge regression on columns (m, p), of which the effects' search sees the rest.
+
+    min over theta of |e - X theta|^2 + ridge^2 |norm theta|^2 is |rest(e)|^2, with X / norm = U diag(s) V':
+    rest(e) = e - U diag(1 - ridge/sqrt(s^2 + ridge^2)) U' e.
+    """
+
+    def __init__(self, columns: np.ndarray, ridge: float):
+        self._norm, self._ridge = _sizes(columns), ridge
+        self._u, self._s, self._v = np.linalg.svd(columns / self._norm, full_matrices=False)
+        self._part = 1.0 - ridge / np.hypot(self._s, ridge)
+
+    def rest(self, e: np.ndarray) -> np.ndarray:
+        return e - (self._u * self._part) @ (self._u.T @ e)
+
+    def coefficients(self, e: np.ndarray) -> np.ndarray:
+        return (self._v.T * (self._s / (self._s**2 + self._ridge**2))) @ (self._u.T @ e) / self._norm
 
 
 def _parameters(term: Term, coefficients: dict[Parameter, float]) -> dict[Parameter, float]:
@@ -116,10 +154,9 @@ class _Solution:
 
 
 def _solve(data, y, rows, effects, fixed, start, weight, known) -> _Solution:
-    """Least squares over the effects' parameters, corrections projected out.
+    """Least squares over the effects' parameters, with what corrections take of each error taken off.
 
-    What moves nothing that corrections could not take stays at its start, of the smallest norm: a faint pull to it
-    decides where the data do not.
+    What moves nothing stays at its start, of the smallest norm: a faint pull to it decides where the data do not.
     """
     names = [(k, name) for k in range(len(effects)) for name in start[k]]
     x0 = np.array([start[k][name] for k, name in names])
@@ -127,24 +164,19 @@ def _solve(data, y, rows, effects, fixed, start, weight, known) -> _Solution:
     low, high, mix = _bounds(effects, names, x0, known)
     basis = np.concatenate([np.zeros((*y.shape, 0)), *fixed], axis=-1)
     weighted = (basis * weight[..., None]).reshape(y.size, -1)
-    q = np.linalg.svd(weighted, full_matrices=False)[0][:, : np.linalg.matrix_rank(weighted)] if fixed else weighted
-
+    taken = _Taken(weighted, _ridge((y * weight).ravel()))
     force = _Physics(data, rows, effects, names)
-
-    def projected(e):
-        """Weighted errors (m k, ...) less what corrections can take."""
-        return e - q @ (q.T @ e)
 
     def moved(scaled):
         """Weighted derivatives (m k, p) of the force."""
         return (force.jacobian(mix @ (scaled * size)) * weight[..., None]).reshape(y.size, -1) @ mix * size
 
     def error(scaled):
-        own = projected(((y - force(mix @ (scaled * size))) * weight).ravel())
+        own = taken.rest(((y - force(mix @ (scaled * size))) * weight).ravel())
         return np.concatenate([own, pull * (scaled - first)])
 
     def slope(scaled):
-        return np.vstack([-projected(moved(scaled)), np.diag(pull)])
+        return np.vstack([-taken.rest(moved(scaled)), np.diag(pull)])
 
     x, jacobian = x0, np.zeros((y.size, 0))
     if names:
@@ -154,7 +186,7 @@ def _solve(data, y, rows, effects, fixed, start, weight, known) -> _Solution:
         found = least_squares(error, first, jac=slope, bounds=bounds, x_scale="jac", max_nfev=12)
         x, jacobian = mix @ (found.x * size), found.jac[: y.size] / size @ np.linalg.inv(mix)
     left = y - force(x)
-    theta = np.linalg.lstsq(weighted, (left * weight).ravel(), rcond=1e-9)[0] if fixed else np.zeros(0)
+    theta = taken.coefficients((left * weight).ravel())
     ends = np.cumsum([columns.shape[-1] for columns in fixed])[:-1] if fixed else []
     values = [force.parameters(x, k) for k in range(len(effects))]
     return _Solution(values, np.split(theta, ends), names, x, jacobian, left - basis @ theta)

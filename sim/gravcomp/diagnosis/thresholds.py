@@ -95,6 +95,7 @@ TINY = 1e-300  # above zero, so that nothing is divided by it: below any square 
 IMPOSSIBLE = 1e12  # score of a set that physics refuses
 DIFFERENCE_STEP = 1.5e-8  # of a parameter, in difference quotients: root of the rounding
 PULL = 1e-6  # toward the start, beside what a parameter moves: far above rounding, far below noise
+RIDGE_LEAST = 1e-9  # of a column: 1e5 times the rounding of a sum over 1e4 samples, below 1 over any real log
 INDEPENDENT = 1e-6  # of the largest regressor: less is left of one beside those of bodies nearer to the base
 AT_REST = 1e-9  # of the speed that the axes could give a joint: less is rest
 
