@@ -1,5 +1,6 @@
 """The blind tally's arithmetic, on outcomes made by hand: which count as right, the rows of the table, the misses."""
 
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -7,6 +8,8 @@ import numpy as np
 import pytest
 
 from gravcomp.diagnosis.diagnosis import diagnose
+from gravcomp.prototype.experiment import measure
+from gravcomp.prototype.imperfections import CoulombFriction
 from gravcomp_lab.blind import from_prototype
 from gravcomp_lab.blind.from_model import CASES, ONE_EFFECT, draw
 from gravcomp_lab.blind.tally import (
@@ -22,12 +25,13 @@ from gravcomp_lab.blind.tally import (
     summary,
     tasks,
 )
+from gravcomp_lab.shipped import shipped_machine
 from measured_samples import holds
 
 RIGHT = OpenedSet(
     source="model", kind="listed", seed=0, truth=("payload",), machine="holds", n_samples=120, ratio=2.0,
     named=("payload",), listed=(), verdict="explained", driver="q1", is_driver_right=False, after_ratio=1.0,
-    decided_ratio=1.0,
+    decided_ratio=1.0, repeat_ratio=1.0,
 )  # fmt: skip
 CLEAN = replace(RIGHT, kind="clean", truth=(), named=(), verdict="nothing_missing", driver="", ratio=0.0)
 UNLISTED = replace(RIGHT, kind="unlisted", truth=("soft_stop",), named=(), verdict="unexplained", is_driver_right=True)
@@ -60,7 +64,8 @@ def test_outcome_is_right_only_as_its_kind_asks(outcome, is_right):
 
 def test_summary_counts_each_kind_by_itself():
     outcomes = [
-        *[RIGHT] * 5, replace(WRONG, listed=("cable_spring", "payload")), WRONG, replace(RIGHT, after_ratio=1.06),
+        *[RIGHT] * 5, replace(WRONG, listed=("cable_spring", "payload")), replace(WRONG, repeat_ratio=1.051),
+        replace(RIGHT, after_ratio=1.06),
         *[CLEAN] * 3, replace(CLEAN, named=("payload",)),
         *[UNLISTED] * 2, replace(UNLISTED, named=("payload",)), replace(UNLISTED, is_driver_right=False),
         replace(UNLISTED, is_driver_right=False, named=("payload",)),
@@ -73,6 +78,7 @@ def test_summary_counts_each_kind_by_itself():
         "listed: a name that is not in the data": (pytest.approx(100 * 2 / 8), 8),
         f"listed: after-error <= {AFTER_LIMIT} x noise": (pytest.approx(100 * 5 / 8), 8),
         "listed: the same where the direction is known": (pytest.approx(100 * 6 / 8), 8),
+        "listed: and over the noise with what a repeat differs by": (pytest.approx(100 * 7 / 8), 8),
         "clean: no effect named": (pytest.approx(75.0), 4),
         "unlisted: right driver first": (pytest.approx(60.0), 5),
         "unlisted: physical name given": (pytest.approx(40.0), 5),
@@ -197,17 +203,43 @@ def test_prototype_is_measured_once_and_its_seal_opened_after_the_diagnosis(monk
         return opened(path)
 
     monkeypatch.setattr("gravcomp_lab.blind.from_prototype.open_seal", open_after)
-    monkeypatch.setattr("gravcomp_lab.blind.tally.diagnose", lambda *a: diagnosed.append(a) or diagnose(*a))
+    monkeypatch.setattr("gravcomp_lab.blind.tally.diagnose", lambda *a: diagnosed.append(diagnose(*a)) or diagnosed[-1])
     outcome = run_prototype_case(tmp_path, "clean", 3)
     log = (tmp_path / "clean_3.csv").read_bytes()
     assert (outcome.source, outcome.truth, outcome.machine, outcome.n_samples) == ("prototype", (), "static", 60)
     assert outcome.is_right
     assert outcome.after_ratio == pytest.approx(1.0, abs=0.1)
+    found, answer = diagnosed[0], opened(tmp_path / "clean_3.csv")
+    judged = found.is_test[:, None] & ~found.data.is_undecided
+    noise = (found.data.force - answer.effort)[judged]
+    both = np.mean(noise**2 + answer.unrepeated[judged] ** 2)
+    assert outcome.repeat_ratio == pytest.approx(np.sqrt(np.mean(found.after[judged] ** 2) / both))
     assert "effect" not in log.decode()
     (tmp_path / "clean_3.csv").write_bytes(log)
     before = (tmp_path / "clean_3.csv").stat().st_mtime_ns
     assert run_prototype_case(tmp_path, "clean", 3) == outcome
     assert (tmp_path / "clean_3.csv").stat().st_mtime_ns == before
+
+
+def test_log_without_a_repeat_is_measured_again(monkeypatch, tmp_path):
+    monkeypatch.setitem(from_prototype.POINTS, "static", 20)
+    monkeypatch.setattr("gravcomp_lab.blind.from_prototype.MODES", ("static",))
+    path = from_prototype.measure_case(tmp_path, "clean", 3)
+    whole, sealed = path.read_bytes(), path.with_suffix(".sealed.json")
+    sealed.write_text(json.dumps({k: v for k, v in json.loads(sealed.read_text()).items() if k != "unrepeated"}))
+    path.write_bytes(b"")
+    assert from_prototype.measure_case(tmp_path, "clean", 3).read_bytes() == whole
+    assert from_prototype.open_seal(path).unrepeated.shape == (20, 3)
+
+
+def test_two_passes_of_a_machine_with_friction_are_not_equal():
+    """Holds 0.37 um apart, with encoders of 1 um: some 20 mN beside a friction of 1 N, which no fit can tell."""
+    machine = shipped_machine("spheiro")
+    logs = [measure(machine, [CoulombFriction(fc=1.0)], 24, 5, mode="static", noise=0.0, beside_counts=part)
+            for part in (0.0, 0.0, 0.37)]  # fmt: skip
+    beyond = [log.effort - machine.robot.forces(log.q) for log in logs]
+    assert np.array_equal(beyond[0], beyond[1])
+    assert 0.01 < np.std(beyond[2] - beyond[0]) / np.sqrt(2.0) < 0.04
 
 
 def test_pairs_are_two_effects_that_do_not_make_one(tmp_path):

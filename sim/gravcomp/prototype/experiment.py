@@ -75,10 +75,12 @@ def measure(
     mode: str = "both",
     noise: float | None = None,
     speed: float = 1.0,
+    beside_counts: float = 0.0,
 ) -> PrototypeLog:
     """Run the experiment; a quarter of the points are holds in mode "both", each approached from a side that moves
     every joint. noise: of the efforts, N or N m RMS; by default 0.1 N of the Sphe.I.Ro., and alike in proportion on
-    other machines. speed multiplies that of the motion.
+    other machines. speed multiplies that of the motion. beside_counts, of the encoders, moves all targets: with
+    less than one that is a repeat, which differs by what the machine itself does not repeat.
 
     Raises InputError for an unknown mode or a number of points that is too small, PoseError if the path is too wide.
     """
@@ -88,11 +90,12 @@ def measure(
     n_static = {"static": n_points, "motion": 0, "both": n_points // 4}[mode]
     targets = machine.robot.workspace(n_static, int(rng.integers(2**31)))
     travel, plant = travel_of(machine), Plant(machine, effects)
+    beside = machine.drive.positions(beside_counts)
     with _watched(n_points) as progress:
-        samples = hold(plant, targets, travel.rates(targets, rng), progress) if n_static else []
+        samples = hold(plant, targets + beside, travel.rates(targets, rng), progress) if n_static else []
         if n_moving := n_points - n_static:
             way = travel.path(rng, speed * n_moving * _PHASE_PER_SAMPLE_RAD)
-            samples += follow(plant, way, n_moving, n_static * _HOLD_PERIOD_S, progress)
+            samples += follow(plant, lambda done: way(done) + beside, n_moving, n_static * _HOLD_PERIOD_S, progress)
     sigma = np.full(machine.n_axes, noise) if noise is not None else DEFAULT_NOISE_N * plant.sizes.effort
     return as_log(samples, machine, sigma, rng, plant.effects)
 

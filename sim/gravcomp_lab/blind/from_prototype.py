@@ -27,12 +27,15 @@ DRAWN = [name for name in LISTED if name != "inertia"]  # slow motion hides it
 NOT_IN_HOLDS = ("viscous_friction", "stribeck_friction", "presliding_hysteresis")
 POINTS = {"static": 300, "motion": 800, "both": 700}
 _TRIES = 20
+_BESIDE = 0.37  # of a count: no simple part of one, so that nothing rounds alike
 
 
 @dataclass(frozen=True)
 class Answer:
     """What was put into a log of n rows and k axes: names of the effects, their RMS beyond the statics in parts of the
-    noise, the effort (n, k) without noise, N or N m, and the noise (k,), RMS.
+    noise, the effort (n, k) without noise, N or N m, and the noise (k,), RMS. unrepeated (n, k): by how much the effort
+    without noise is another when the same is measured once more, over sqrt(2): dither of encoder and servo, and where
+    within its level a friction comes to rest.
     """
 
     names: tuple[str, ...]
@@ -40,12 +43,13 @@ class Answer:
     effort: np.ndarray
     noise: np.ndarray
     mode: str
+    unrepeated: np.ndarray
 
 
 def measure_case(folder: Path, kind: str, seed: int, machine: str = "spheiro") -> Path:
     """Draw and measure one case on a shipped machine; returns the CSV's path, the sealed answer lies beside it."""
     path = folder / (f"{kind}_{seed}.csv" if machine == "spheiro" else f"{machine}_{kind}_{seed}.csv")
-    if path.exists() and path.with_suffix(".sealed.json").exists():
+    if path.exists() and _is_sealed(path):
         return path
     robot = shipped_machine(machine)
     rng = np.random.default_rng([CASES.index(kind), seed, 7])
@@ -53,12 +57,16 @@ def measure_case(folder: Path, kind: str, seed: int, machine: str = "spheiro") -
     for _ in range(_TRIES):
         try:
             log = measure(robot, _draw(kind, mode, rng), POINTS[mode], seed, mode=mode)
+            again = measure(robot, log.effects, POINTS[mode], seed, mode=mode, beside_counts=_BESIDE)
         except InputError:  # too much for the PID, as it would be for the machine
             continue
-        beyond = np.sqrt(np.mean((log.effort - robot.robot.forces(log.q)) ** 2, axis=0))
-        if log.effects and _size(beyond, log.noise) < 1.0:
+        beyond, repeated = (own.effort - robot.robot.forces(own.q) for own in (log, again))
+        if log.effects and _size(np.sqrt(np.mean(beyond**2, axis=0)), log.noise) < 1.0:
             continue
-        write_measurement(path, log, robot, seed=seed, mode=mode, effort=np.round(log.effort, 6).tolist())
+        rows = {"effort": log.effort, "unrepeated": (beyond - repeated) / np.sqrt(2.0)}
+        write_measurement(
+            path, log, robot, seed=seed, mode=mode, **{name: np.round(own, 6).tolist() for name, own in rows.items()}
+        )
         return path
     raise InputError(f"{path}: none of {_TRIES} drawn sets of effects could be measured; take another seed")
 
@@ -74,7 +82,13 @@ def open_seal(path: Path) -> Answer:
     names = tuple(effect["name"] for effect in content["effects"])
     noise = np.array(content["noise"])
     size = _size(np.array(content["effect_rms"]), noise)
-    return Answer(names, size, np.array(content["effort"]), noise, content["mode"])
+    return Answer(names, size, np.array(content["effort"]), noise, content["mode"], np.array(content["unrepeated"]))
+
+
+def _is_sealed(path: Path) -> bool:
+    """Is there an answer to this log, with all that is asked of one?"""
+    sealed = path.with_suffix(".sealed.json")
+    return sealed.exists() and "unrepeated" in json.loads(sealed.read_text(encoding="utf-8"))
 
 
 def _size(effect: np.ndarray, noise: np.ndarray) -> float:
