@@ -661,3 +661,21 @@ def test_fit_of_data_without_noise_is_certain():
     term = Term(effect_named("coulomb_friction"), tuple(Parameter("fc", axis) for axis in range(3)))
     entry = fit_terms(data, np.sign(data.v), np.arange(50), [term], [], np.full(3, 1e-9)).effects[0]
     assert entry.p_value == 0.0
+
+
+@pytest.mark.parametrize(("effect", "parameters", "level_n"), [
+    ("PreslidingHysteresis", {"fc_1": 1.5, "s_1": 0.02}, 1.5),
+    ("BacklashInMotion", {"gap_1": 0.004, "travel_1": 0.02}, -100.0 * 0.004 / 2),
+])  # fmt: skip
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_motion_that_begins_at_rest_came_from_where_it_then_goes(effect, parameters, level_n, way):
+    """Its first speeds tell no direction. Friction has slid and play is crossed, as if it had moved so before."""
+    t = 0.05 * np.arange(200)
+    q, v = way * 0.05 * (1.0 - np.cos(0.3 * t))[:, None], way * 0.015 * np.sin(0.3 * t)[:, None]
+    model = np.zeros_like(q) + 100.0 * q
+    data = Measurement("slide", t, q, v, model, model, "N", ("m",), None, lambda at: 100.0 * at, None)
+    assert data.begins_motion[0]
+    assert data.direction[0, 0] == 0.0
+    own = next(kind() for kind in EFFECTS if kind.__name__ == effect)
+    given = {Parameter.parse(name): value for name, value in parameters.items()}
+    assert own.predict(data, given)[:, 0] == pytest.approx(way * level_n * np.ones(200), abs=1e-9)

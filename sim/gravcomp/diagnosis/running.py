@@ -38,3 +38,10 @@ def after_lines(start: float, gain: np.ndarray, offset: np.ndarray) -> np.ndarra
         lambda first, second: (first[0] * second[0], second[0] * first[1] + second[1]), (gain, offset)
     )
     return gain * start + offset
+
+
+def next_told(direction: np.ndarray) -> np.ndarray:
+    """Directions (n,) with the next one that v tells in the place of each that it does not; 0 where none follows."""
+    n = len(direction)
+    after = np.minimum.accumulate(np.where(direction != 0.0, np.arange(n), n)[::-1])[::-1]
+    return np.append(direction, 0.0)[after]

@@ -4,7 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, per_axis
 from gravcomp.diagnosis.effects.base import Effect, needs_function, needs_velocity
-from gravcomp.diagnosis.running import after_clips
+from gravcomp.diagnosis.running import after_clips, next_told
 
 
 class Backlash(Effect):
@@ -68,9 +68,11 @@ def _side(data, parameters, start: float | None = None) -> np.ndarray:
 
 
 def _crossing(data, axis: int, travel: float, start: float | None) -> np.ndarray:
-    """z along time, the play operator: dz = 2 dq/travel within -1..1. Holds were approached over more than the gap."""
+    """z along time, the play operator: dz = 2 dq/travel within -1..1. Holds were approached over more than the gap; a
+    motion that begins at rest came from where it then goes.
+    """
     step = 2.0 * np.diff(data.q[:, axis], prepend=data.q[0, axis]) / max(travel, 1e-12)
     moving, hold = data.is_motion & ~data.begins_motion, data.direction[:, axis]
-    hold = hold if start is None else np.where(data.begins_motion, start, hold)
+    hold = np.where(data.begins_motion, next_told(hold) if start is None else start, hold)
     shift, low, high = np.where(moving, step, 0.0), np.where(moving, -1.0, hold), np.where(moving, 1.0, hold)
     return after_clips(float(hold[0]), shift, low, high)

@@ -4,7 +4,7 @@ import numpy as np
 
 from gravcomp.diagnosis.candidate import Parameter, axes_in, on_axis, per_axis
 from gravcomp.diagnosis.effects.base import Effect
-from gravcomp.diagnosis.running import after_lines
+from gravcomp.diagnosis.running import after_lines, next_told
 
 
 class PreslidingHysteresis(Effect):
@@ -51,12 +51,12 @@ class PreslidingHysteresis(Effect):
 
 def _state(data, axis: int, travel: float, start: float | None = None) -> np.ndarray:
     """z along time, exact for piecewise linear q; holds outside motion have slid fully, z = sign(v), and so has what
-    begins to move, unless a start is given.
+    begins to move, which came from where it then goes, unless a start is given.
     """
     step = np.diff(data.q[:, axis], prepend=data.q[0, axis])
     keep = np.exp(-np.abs(step) / max(travel, 1e-12))
     target = np.sign(step)
     moving, hold = data.is_motion & ~data.begins_motion, data.direction[:, axis]
-    hold = hold if start is None else np.where(data.begins_motion, start, hold)
+    hold = np.where(data.begins_motion, next_told(hold) if start is None else start, hold)
     gain = np.where(moving, keep, 0.0)
     return after_lines(float(hold[0]), gain, np.where(moving, target * (1.0 - keep), hold))
