@@ -15,7 +15,8 @@ from gravcomp.diagnosis.corrections import KINDS, Correction
 from gravcomp.diagnosis.effects import NAMES, effect_named
 from gravcomp.diagnosis.fit import Fit
 from gravcomp.errors import InputError
-from gravcomp.logs.measurement import LARGEST, Measurement
+from gravcomp.logs.measurement import Measurement
+from gravcomp.logs.thresholds import LARGEST
 from gravcomp.robot.machine import ROBOT_TOML, Machine, parse_machine
 
 _TABLES = ("effects", "empirical")

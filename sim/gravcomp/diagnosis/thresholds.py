@@ -14,6 +14,16 @@ PHYSICAL_PRICE = 8.0  # some 50 terms of effects
 EMPIRICAL_PRICE = 20.0  # some hundred corrections per axis, and physics first where both fit; tuned
 CORNER_PRICE = 8.0  # 2 log of the sixty corners scanned
 SCAN_PRICE = 14.0  # 2 log of the thousand frequencies scanned
+COMPLEXITY = {  # on top of an effect's price, by how usual it is: odds of exp(c/2) before any data; by judgement
+    "everywhere": 0.0,  # friction of Coulomb, a load, a motor constant, a sensor
+    "usual": 0.5,  # an offset, a spring, a tilt: odds of 1.3, they only decide between equals
+    "common": 1.0,  # drag, inertia, friction by load, of Coulomb by direction
+    "uncommon": 2.0,  # play, elasticity, hoses, friction of joints without a drive, warmth
+    "rare": 3.0,  # friction by place or by reaction, or other in each joint
+    "rarer": 4.0,  # what has a shape of its own, or an hour: odds of 7
+    "general": 6.0,  # forms of two coefficients an axis and more
+    "most general": 8.0,  # of ten
+}
 
 # Sets of terms
 TIE = 9.0  # scores this close cannot be told apart: odds of exp(9/2), about 90

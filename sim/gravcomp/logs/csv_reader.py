@@ -18,9 +18,10 @@ from gravcomp.errors import InputError
 from gravcomp.logs import clock
 from gravcomp.logs.force_surface import fit_force_function
 from gravcomp.logs.glitches import without_glitches
-from gravcomp.logs.measurement import LARGEST, Measurement, velocity_from_position
+from gravcomp.logs.measurement import Measurement, velocity_from_position
 from gravcomp.logs.missing import marks
 from gravcomp.logs.text_table import TextTable, is_missing, read_text_table
+from gravcomp.logs.thresholds import LARGEST
 from gravcomp.logs.units import KNOWN, OF_THE_MACHINE, in_contract
 from gravcomp.robot.machine import EFFORT_UNITS, Machine
 from gravcomp.robot.protocol import PoseError, Robot

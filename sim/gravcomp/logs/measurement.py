@@ -7,18 +7,10 @@ from functools import cached_property
 import numpy as np
 from scipy.signal import savgol_filter
 
+from gravcomp.logs import thresholds as given
 from gravcomp.logs.clock import derivative
 from gravcomp.logs.places import Places, places
 from gravcomp.robot.protocol import HasBodies, Robot
-
-LARGEST = 1e15  # of any measured value: sums of squares stay far from overflow
-# A speed this far below the usual one has no sure direction.
-_DEAD_BAND_CAP = 0.02
-_STANDS_STILL = 0.3
-# Values of v on a grid: at least so many, not more than this part of the samples, none farther off than this.
-_FEWEST_ON_GRID, _GRID_SHARE, _OFF_GRID = 4, 0.7, 0.05
-_AS_TIME = 0.9  # of the variance of the time that places and directions of one axis tell
-_MOTION_TOLERANCE = 0.5  # of the step that v announces: rows that keep to it are motion, others are separate holds
 
 
 @dataclass(frozen=True)
@@ -94,7 +86,7 @@ class Measurement:
         if self.v is None:
             return np.zeros(self.shape, bool)
         still = self.direction == 0.0
-        still &= still.mean(axis=0) < _STANDS_STILL
+        still &= still.mean(axis=0) < given.STANDS_STILL
         return still if self.slow is None else still | self.slow
 
     @property
@@ -104,33 +96,35 @@ class Measurement:
 
     @cached_property
     def dead_band(self) -> np.ndarray:
-        """Speed below which the direction is not sure, (n, k): one and a half steps of the grid that v was read on; in
-        motion also three times the noise of v, at most 2 % of its range.
+        """Speed below which the direction is not sure, (n, k): DEAD_BAND_GRID steps of the grid that v was read on; in
+        motion also DEAD_BAND_NOISE times the noise of v, at most DEAD_BAND_CAP of the usual speed.
         """
         moving = self.is_motion
         band = np.zeros(self.shape)
         for rows in (moving, ~moving):
-            band[rows] = [1.5 * _grid_step(v) for v in self.v[rows].T]
-        if np.count_nonzero(moving) < 8:
+            band[rows] = [given.DEAD_BAND_GRID * _grid_step(v) for v in self.v[rows].T]
+        if np.count_nonzero(moving) < given.DEAD_BAND_ROWS:
             return band
         v = self.v[moving]
-        noise = np.median(np.abs(np.diff(v, 4, axis=0)), axis=0) / 0.6745 / np.sqrt(70.0)
-        cap = _DEAD_BAND_CAP * np.quantile(np.abs(v), 0.95, axis=0)
-        return np.maximum(band, np.minimum(3.0 * noise, cap) * moving[:, None])
+        noise = np.median(np.abs(np.diff(v, 4, axis=0)), axis=0) / given.MAD / np.sqrt(given.FOURTH_DIFFERENCE)
+        cap = given.DEAD_BAND_CAP * np.quantile(np.abs(v), given.USUAL_TOP, axis=0)
+        return np.maximum(band, np.minimum(given.DEAD_BAND_NOISE * noise, cap) * moving[:, None])
 
     @cached_property
     def is_motion(self) -> np.ndarray:
         """Rows that belong to one continuous motion: q advances as v says, (n,)."""
-        if self.v is None or len(self.t_s) < 8:
-            return np.zeros(len(self.t_s), bool)
+        nothing = np.zeros(len(self.t_s), bool)
+        if self.v is None or len(self.t_s) < given.MOTION_ROWS:
+            return nothing
         scale = self._scale  # axes in metres and in radians count alike
         step = np.diff(self.q, axis=0) / scale
         told = 0.5 * (self.v[1:] + self.v[:-1]) * np.diff(self.t_s)[:, None] / scale
         size = np.abs(told).sum(axis=1)
-        keeps = np.abs(step - told).sum(axis=1) <= _MOTION_TOLERANCE * size + 1e-3 * (np.ptp(self.q, axis=0) > 0).any()
-        around = np.ones(9)
-        near = np.convolve(keeps, around, "same") > 0.7 * np.convolve(np.ones(len(keeps)), around, "same")
-        return np.append(near, near[-1]) if near.mean() > 0.05 else np.zeros(len(self.t_s), bool)
+        rounding = given.MOTION_ROUNDING * (np.ptp(self.q, axis=0) > 0).any()
+        keeps = np.abs(step - told).sum(axis=1) <= given.MOTION_TOLERANCE * size + rounding
+        around = np.ones(given.MOTION_AROUND)
+        near = np.convolve(keeps, around, "same") > given.MOTION_MOST * np.convolve(np.ones(len(keeps)), around, "same")
+        return np.append(near, near[-1]) if near.mean() > given.MOTION_LEAST else nothing
 
     @cached_property
     def begins_motion(self) -> np.ndarray:
@@ -142,12 +136,12 @@ class Measurement:
     @cached_property
     def is_ordered(self) -> bool:
         """Neighbours in time are neighbours in pose."""
-        if len(self.t_s) < 8:
+        if len(self.t_s) < given.MOTION_ROWS:
             return False
         inside = ~self.is_first[1:]
         q = self.q / self._scale
-        step = np.diff(q, axis=0)[inside].var(axis=0).sum() / max(2.0 * q.var(axis=0).sum(), 1e-300)
-        return bool(step < 0.1)
+        step = np.diff(q, axis=0)[inside].var(axis=0).sum() / max(2.0 * q.var(axis=0).sum(), np.finfo(float).tiny)
+        return bool(step < given.ORDERED)
 
     @cached_property
     def places(self) -> tuple[Places | None, ...]:
@@ -168,7 +162,7 @@ class Measurement:
     @property
     def is_held(self) -> tuple[bool, ...]:
         """Axes that were held at places, several rows at each: their v is that of an approach."""
-        return tuple(own is not None and own.count < 0.7 * len(self.t_s) for own in self.places)
+        return tuple(own is not None and own.count < given.HELD * len(self.t_s) for own in self.places)
 
     @cached_property
     def axis_as_time(self) -> int | None:
@@ -180,7 +174,7 @@ class Measurement:
             way = np.zeros(len(t)) if self.v is None else np.sign(self.v[:, i])
             of = np.unique(np.column_stack([self.places[i].centre, way]), axis=0, return_inverse=True)[1].ravel()
             sums = np.bincount(of, t)
-            if np.sum(sums**2 / np.bincount(of)) > _AS_TIME * (t @ t):
+            if np.sum(sums**2 / np.bincount(of)) > given.AS_TIME * (t @ t):
                 return int(i)
         return None
 
@@ -219,7 +213,7 @@ class Measurement:
         """dF_i/dq_j of the model by central differences, (n, k, k); None without force_at."""
         if self.force_at is None:
             return None
-        step = 1e-5 * (np.ptp(self.q, axis=0).max() or 1.0)
+        step = given.CENTRAL_STEP * (np.ptp(self.q, axis=0).max() or 1.0)
         columns = [
             (self.force_at(self.q + step * unit) - self.force_at(self.q - step * unit)) / (2 * step)
             for unit in np.eye(self.n_axes)
@@ -245,10 +239,10 @@ class Measurement:
 def _grid_step(v: np.ndarray) -> float:
     """Step of the grid that the values (n,) lie on, as encoder counts over a fixed time do; 0 if they lie on none."""
     values = np.unique(np.abs(v))
-    if not _FEWEST_ON_GRID <= len(values) <= _GRID_SHARE * len(v):
+    if not given.FEWEST_ON_GRID <= len(values) <= given.GRID_SHARE * len(v):
         return 0.0
     step = np.diff(values).min()
-    return float(step) if np.all(np.abs(values / step - np.round(values / step)) < _OFF_GRID) else 0.0
+    return float(step) if np.all(np.abs(values / step - np.round(values / step)) < given.OFF_GRID) else 0.0
 
 
 def velocity_from_position(t_s: np.ndarray, q: np.ndarray, run: np.ndarray) -> np.ndarray:
@@ -257,7 +251,7 @@ def velocity_from_position(t_s: np.ndarray, q: np.ndarray, run: np.ndarray) -> n
 
 
 def _window(n: int) -> int:
-    return int(np.clip(n // 200, 2, 10)) * 2 + 1
+    return int(np.clip(n // given.SMOOTH_PART, given.SMOOTH_FEWEST, given.SMOOTH_MOST)) * 2 + 1
 
 
 def _smoothed(values: np.ndarray, window: int) -> np.ndarray:

@@ -5,9 +5,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from gravcomp.diagnosis import thresholds
+from gravcomp.logs import thresholds as of_logs
 from gravcomp_lab.blind.tally import OpenedSet, run_model_case
 
 FACTORS = (0.5, 2.0)
+TABLE = {name: value for module in (of_logs, thresholds) for name, value in vars(module).items() if name.isupper()}
 _COUNTS = {  # what a tally counts, of sets with an answer
     "right": lambda o: o.is_right,
     "wrong name": lambda o: o.has_wrong_name,
@@ -18,12 +20,12 @@ _COUNTS = {  # what a tally counts, of sets with an answer
 @contextmanager
 def scaled(name: str, factor: float) -> Iterator[object]:
     """The threshold of that name times factor, in every module that holds it; as it was behind the block."""
-    value = getattr(thresholds, name)
-    other = tuple(_times(x, factor) for x in value) if isinstance(value, tuple) else _times(value, factor)
+    value = TABLE[name]
+    other = _scaled(value, factor)
     holders = [
         module
         for key, module in list(sys.modules.items())
-        if key.startswith("gravcomp.diagnosis") and name in vars(module)
+        if key.startswith(("gravcomp.diagnosis", "gravcomp.logs")) and name in vars(module)
     ]
     for module in holders:
         setattr(module, name, other)
@@ -32,6 +34,12 @@ def scaled(name: str, factor: float) -> Iterator[object]:
     finally:
         for module in holders:
             setattr(module, name, value)
+
+
+def _scaled(value, factor: float):
+    if isinstance(value, dict):
+        return {name: _times(x, factor) for name, x in value.items()}
+    return tuple(_times(x, factor) for x in value) if isinstance(value, tuple) else _times(value, factor)
 
 
 def _times(value: float, factor: float) -> float:

@@ -2,7 +2,6 @@
 
 from tqdm import tqdm
 
-from gravcomp.diagnosis import thresholds
 from gravcomp.errors import InputError
 from gravcomp_lab.blind import from_model, sensitivity
 
@@ -10,16 +9,17 @@ LAST_TUNED = 200  # seeds below were used to tune; those above are tallied
 
 
 def add_arguments(parser):
-    parser.add_argument("names", nargs="+", metavar="NAME", help="of gravcomp/diagnosis/thresholds.py")
+    parser.add_argument(
+        "names", nargs="+", metavar="NAME", help="of thresholds.py in gravcomp/diagnosis and gravcomp/logs"
+    )
     parser.add_argument("--sets", type=int, default=6, help="seeds of each kind (default %(default)s)")
     parser.add_argument("--first-seed", type=int, default=0, help=f"below {LAST_TUNED} (default %(default)s)")
 
 
 def run(arguments):
-    known = [name for name in vars(thresholds) if name.isupper()]
     for name in arguments.names:
-        if name not in known:
-            raise InputError(f"{name}: no threshold of the diagnosis; give one of {', '.join(known)}")
+        if name not in sensitivity.TABLE:
+            raise InputError(f"{name}: no threshold of the diagnosis; give one of {', '.join(sensitivity.TABLE)}")
     if arguments.sets < 1 or not 0 <= arguments.first_seed <= LAST_TUNED - arguments.sets:
         raise InputError(
             f"--first-seed and --sets: seeds from 0 to {LAST_TUNED - 1} are for tuning; give some of those"

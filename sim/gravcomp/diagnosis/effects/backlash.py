@@ -18,7 +18,7 @@ class Backlash(Effect):
     positive = ("gap",)
     per_axis = False
     is_curved = True
-    complexity = 2.0
+    complexity = "uncommon"
 
     def unavailable(self, data):
         return needs_velocity(data) or needs_function(data)
@@ -38,7 +38,7 @@ class Backlash(Effect):
 class BacklashInMotion(Backlash):
     """Backlash of which the data shows the travel: the encoder crosses the gap before the joint follows."""
 
-    complexity = 4.0
+    complexity = "rarer"
     scales = ("travel",)
 
     def unavailable(self, data):

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from gravcomp.diagnosis.candidate import Candidate, Parameter, Variable
-from gravcomp.diagnosis.thresholds import PHYSICAL_PRICE, SCAN_PRICE
+from gravcomp.diagnosis.thresholds import COMPLEXITY, PHYSICAL_PRICE, SCAN_PRICE
 from gravcomp.logs.measurement import Measurement
 from gravcomp.robot.mechanics import Mechanics
 from gravcomp.robot.protocol import Robot
@@ -27,7 +27,9 @@ class Effect(Candidate):
     positive: tuple[str, ...] = ()  # stems of labels whose coefficients can only be >= 0
     sensor = ""  # what is to be checked, where a sensor is wrong and not the machine
     remedy = ""  # what tells it from a rival where no motion or hold does
-    complexity = 0.0  # added to the criterion: of two equal explanations the usual one is named
+    complexity = (
+        "everywhere"  # how usual it is, a level of COMPLEXITY: of two equal explanations the usual one is named
+    )
 
     @property
     def is_by_axis(self) -> bool:
@@ -39,7 +41,7 @@ class Effect(Candidate):
 
     @property
     def price(self) -> float:
-        return PHYSICAL_PRICE + self.complexity + (SCAN_PRICE if self.is_scanned else 0.0)
+        return PHYSICAL_PRICE + COMPLEXITY[self.complexity] + (SCAN_PRICE if self.is_scanned else 0.0)
 
     def has(self, parameter: Parameter) -> bool:
         """Is this the name of one of its parameters? Stems of ``units``, perhaps with a unit or a part behind."""

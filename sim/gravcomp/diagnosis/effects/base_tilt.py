@@ -19,7 +19,7 @@ class BaseTilt(Effect):
     units = {"tilt": "rad"}  # noqa: RUF012
     per_axis = False
     is_curved = True
-    complexity = 0.5
+    complexity = "usual"
 
     def unavailable(self, data):
         return "" if isinstance(data.robot, TurnsGravity) else "how gravity loads the axes is not known"

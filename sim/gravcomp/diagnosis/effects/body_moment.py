@@ -17,7 +17,7 @@ class BodyMoment(Effect):
     hardware = "network"
     units = {"moment": "kg m"}  # noqa: RUF012
     per_axis = False
-    complexity = 2.0
+    complexity = "uncommon"
     special_case = "payload"
 
     def unavailable(self, data):

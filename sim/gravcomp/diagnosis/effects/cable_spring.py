@@ -15,7 +15,7 @@ class CableSpring(Effect):
     equation = "k_i (q_i - q0_i)"
     hardware = "network"
     units = {"k": "[f]/[q]", "q0": "[q]"}  # noqa: RUF012
-    complexity = 0.5
+    complexity = "usual"
     is_simple = True
     special_case = "current_offset"
 

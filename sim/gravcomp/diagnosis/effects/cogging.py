@@ -18,7 +18,7 @@ class Cogging(Effect):
     equation = "sum over h of A_ih sin(2 pi h q_i/pitch + p_ih)"
     hardware = "compensator"
     units = {"amplitude": "[f]", "phase": "rad", "pitch": "[q]"}  # noqa: RUF012
-    complexity = 6.0
+    complexity = "general"
     shared = ("pitch",)
     scales = ("pitch",)
     is_scanned = True

@@ -49,7 +49,7 @@ class CoulombFriction(Effect):
 class DirectionalCoulombFriction(CoulombFriction):
     """fc_pos_i for v_i > 0, -fc_neg_i for v_i < 0: the same as a symmetric one and an offset of (fc_pos - fc_neg)/2."""
 
-    complexity = 1.0
+    complexity = "common"
     positive = ("fc_pos", "fc_neg")
 
     def columns(self, data, shape):

@@ -16,7 +16,7 @@ class CurrentOffset(Effect):
     sensor = "the zero of the current sensor"
     remedy = "read the effort with the brakes engaged and the drive off: an offset is still there"
     units = {"o": "[f]"}  # noqa: RUF012
-    complexity = 0.5
+    complexity = "usual"
     is_simple = True
 
     def columns(self, data, shape):

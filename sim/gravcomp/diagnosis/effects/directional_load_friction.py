@@ -22,7 +22,7 @@ class DirectionalLoadFriction(Effect):
     units = {"mu_motor": "1", "mu_load": "1", "nu_motor": "1/[f]", "nu_load": "1/[f]"}  # noqa: RUF012
     positive = ("mu_motor", "mu_load")
     special_case = "load_dependent_friction"
-    complexity = 3.0
+    complexity = "rare"
 
     def unavailable(self, data):
         return needs_velocity(data) or ("" if np.any(data.nominal) else "the model is zero")
@@ -45,7 +45,7 @@ class DirectionalLoadFriction(Effect):
 class QuadraticLoadFriction(DirectionalLoadFriction):
     """The same with the square of the load beside it, M6 of that paper."""
 
-    complexity = 6.0
+    complexity = "general"
     positive = ("mu_motor", "mu_load", "nu_motor", "nu_load")  # else a saturation of the effort, f |f|, would be one
 
     def columns(self, data, shape):

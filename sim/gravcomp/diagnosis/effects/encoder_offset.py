@@ -17,7 +17,7 @@ class EncoderOffset(Effect):
     units = {"offset": "[q]"}  # noqa: RUF012
     per_axis = False
     is_curved = True
-    complexity = 0.5
+    complexity = "usual"
 
     unavailable = staticmethod(needs_function)
 

@@ -14,7 +14,7 @@ class FrictionStep(Effect):
     equation = "step_i sign(v_i) for t > t_step"
     hardware = "none"
     units = {"step": "[f]", "t_step": "s"}  # noqa: RUF012
-    complexity = 4.0
+    complexity = "rarer"
     is_scanned = True
 
     def unavailable(self, data):

@@ -13,7 +13,7 @@ class Inertia(Effect):
     equation = "m_i a_i"
     hardware = "none"
     units = {"m": "[f] s^2/[q]"}  # noqa: RUF012
-    complexity = 1.0
+    complexity = "common"
 
     def unavailable(self, data):
         return "" if data.acceleration is not None else "no motion along time"

@@ -17,7 +17,7 @@ class LinkCompliance(Effect):
     units = {"c": "[q]/[f]"}  # noqa: RUF012
     per_axis = False
     is_curved = True
-    complexity = 2.0
+    complexity = "uncommon"
 
     unavailable = staticmethod(needs_function)
 

@@ -16,7 +16,7 @@ class LoadDependentFriction(Effect):
     remedy = "hang a known mass on the machine and log again"
     units = {"mu": "1"}  # noqa: RUF012
     positive = ("mu",)
-    complexity = 1.0
+    complexity = "common"
 
     def unavailable(self, data):
         return needs_velocity(data) or ("" if np.any(data.nominal) else "the model is zero")

@@ -17,7 +17,7 @@ class NonlinearCableSpring(Effect):
     equation = "k0_i + k1_i q_i + ... + k4_i q_i^4, and by direction (h0_i + h1_i q_i + ... + h4_i q_i^4) sign(v_i)"
     hardware = "network"
     units = {f"{stem}{n}": ("[f]", "[f]/[q]")[n] if n < 2 else f"[f]/[q]^{n}" for stem in "kh" for n in _POWERS}  # noqa: RUF012
-    complexity = 4.0
+    complexity = "rarer"
     special_case = "cable_spring"
 
     def shapes(self, data):
@@ -69,7 +69,7 @@ class DirectionalNonlinearCableSpring(NonlinearCableSpring):
     No column is constant in a direction: friction that is the same everywhere is Coulomb friction.
     """
 
-    complexity = 8.0
+    complexity = "most general"
 
     unavailable = staticmethod(needs_velocity)
 

@@ -20,7 +20,7 @@ class PassiveJointFriction(Effect):
     positive = ("fc_prismatic", "fc_rotary")
     per_axis = False
     is_linear = True
-    complexity = 2.0
+    complexity = "uncommon"
 
     def unavailable(self, data):
         return needs_velocity(data) or (
@@ -56,7 +56,7 @@ class PassiveJointFriction(Effect):
 class FrictionOfEachPassiveJoint(PassiveJointFriction):
     """J_p^T (fc sign(v_p)), each passive joint with a level of its own, numbered within its kind."""
 
-    complexity = 3.0
+    complexity = "rare"
 
     def columns(self, data, shape):
         return dict(zip(_names(data.robot), data.once(_by_joint).transpose(1, 0, 2), strict=True))

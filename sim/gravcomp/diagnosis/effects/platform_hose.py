@@ -15,7 +15,7 @@ class PlatformHose(Effect):
     hardware = "network"
     units = {"k": "Nm/rad"}  # noqa: RUF012
     per_axis = False
-    complexity = 2.0
+    complexity = "uncommon"
 
     def unavailable(self, data):
         return "" if isinstance(data.robot, HasUniversalJoints) else "the universal joints are not known"

@@ -13,7 +13,7 @@ class PositionDependentFriction(Effect):
     hardware = "compensator"
     units = {"fc": "[f]", "slope": "[f]/[q]"}  # noqa: RUF012
     special_case = "coulomb_friction"
-    complexity = 3.0
+    complexity = "rare"
 
     unavailable = staticmethod(needs_velocity)
 

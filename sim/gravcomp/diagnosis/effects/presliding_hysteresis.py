@@ -18,7 +18,7 @@ class PreslidingHysteresis(Effect):
     positive = ("fc",)
     scales = ("s",)
     special_case = "coulomb_friction"
-    complexity = 4.0
+    complexity = "rarer"
 
     def unavailable(self, data):
         return "" if data.has_velocity and data.is_motion.mean() > 0.3 else "no motion along time"

@@ -20,7 +20,7 @@ class ReactionFriction(Effect):
     positive = ("mu",)
     per_axis = False
     is_linear = True
-    complexity = 3.0
+    complexity = "rare"
 
     def unavailable(self, data):
         return needs_velocity(data) or (
@@ -46,7 +46,7 @@ class ReactionFriction(Effect):
 class ReactionFrictionOfEachSlide(ReactionFriction):
     """The same with a mu for each slide."""
 
-    complexity = 4.0
+    complexity = "rarer"
 
     def columns(self, data, shape):
         return {Parameter("mu", slide): own for slide, own in enumerate(_by_slide(data).swapaxes(0, 1))}

@@ -18,7 +18,7 @@ class StribeckFriction(Effect):
     positive = ("fc", "fs")
     scales = ("vs",)
     special_case = "coulomb_friction"
-    complexity = 4.0
+    complexity = "rarer"
 
     unavailable = staticmethod(needs_velocity)
 

@@ -14,7 +14,7 @@ class ThermalDrift(Effect):
     hardware = "none"
     remedy = "hang a known mass on the machine and log again"
     units = {"gain": "1 or 1/K", "tau": "s", "t0": "degC"}  # noqa: RUF012
-    complexity = 2.0
+    complexity = "uncommon"
     scales = ("tau_s",)
 
     def unavailable(self, data):

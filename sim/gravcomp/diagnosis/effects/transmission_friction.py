@@ -21,7 +21,7 @@ class TransmissionFriction(Effect):
     positive = tuple(units)
     per_axis = False
     is_linear = True
-    complexity = 4.0
+    complexity = "rarer"
 
     def unavailable(self, data):
         return needs_velocity(data) or ("" if _pairs(data) else "no two axes beside one another of one unit")

@@ -19,7 +19,7 @@ class UniversalJointFriction(Effect):
     positive = ("fc_universal", "fc_universal_nm")
     per_axis = False
     is_linear = True
-    complexity = 2.0
+    complexity = "uncommon"
 
     def unavailable(self, data):
         return needs_velocity(data) or (
@@ -45,7 +45,7 @@ class UniversalJointFriction(Effect):
 class FrictionOfEachUniversalJoint(UniversalJointFriction):
     """The same with a level for each joint, both of its hinges alike."""
 
-    complexity = 3.0
+    complexity = "rare"
 
     def columns(self, data, shape):
         return {

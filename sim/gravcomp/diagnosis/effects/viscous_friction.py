@@ -16,7 +16,7 @@ class ViscousFriction(Effect):
     hardware = "compensator"
     units = {"b": "[f] s/[q]", "b_pos": "[f] s/[q]", "b_neg": "[f] s/[q]"}  # noqa: RUF012
     positive = ("b",)
-    complexity = 1.0
+    complexity = "common"
     is_simple = True
     is_linear = True
 
@@ -46,7 +46,7 @@ class ViscousFriction(Effect):
 class DirectionalViscousFriction(ViscousFriction):
     """b_pos_i v_i for v_i > 0, b_neg_i v_i for v_i < 0."""
 
-    complexity = 6.0
+    complexity = "general"
     differs_with = "coulomb_friction"
     positive = ("b_pos", "b_neg")
 
