@@ -5,6 +5,7 @@ The layout is looked at in headless Chromium, where there is one.
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -116,6 +117,24 @@ def test_sentences_of_nothing_say_so(diagnosed):
     own = content(diagnosed("nothing"))
     assert own["found"].startswith("The model lacks nothing that this log shows: what is left, 0.0")
     assert own["next"] == "Next: keep the model."
+
+
+def test_name_whose_interval_reaches_zero_is_not_said_with_certainty(tmp_path):
+    rng = np.random.default_rng(4)
+    q1, q2, v1, v2 = rng.uniform(-1.2, 1.2, (4, N))
+    f1, f2 = 8.0 * np.cos(q1), 5.0 * np.cos(q2)
+    friction = {f"f{i}_nm": f + 0.5 * np.sign(v) + noise(0.05, i) for i, f, v in ((1, f1, v1), (2, f2, v2))}
+    columns = {"q1_rad": q1, "q2_rad": q2, "v1_radps": v1, "v2_radps": v2, "fm1_nm": f1, "fm2_nm": f2, **friction}
+    d = replace(found(log(t_s=T, **columns), tmp_path), alternatives=[])
+    (entry,) = d.fit.effects
+    for reaches_zero, says in (
+        ({}, "any other name is at least 90 times less likely"),
+        ({"fc_2"}, "not sure: of coulomb friction on axis 2 the interval reaches zero"),
+        ({"fc_1", "fc_2"}, "not sure: of coulomb friction the interval reaches zero"),
+    ):
+        intervals = {name: (-own[1], own[1]) if name in reaches_zero else own for name, own in entry.intervals.items()}
+        own = replace(d, fit=replace(d.fit, effects=(replace(entry, intervals=intervals),)))
+        assert report(own)["found"].endswith(f"; {says}.")
 
 
 def test_sentences_of_hidden_friction_ask_for_the_approach(tmp_path):

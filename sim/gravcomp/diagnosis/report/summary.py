@@ -22,7 +22,7 @@ def found_sentence(d: Diagnosis, alternatives: list[list[str]], parts: list[Cont
     names = joined([with_axes(entry, d.data.n_axes) for entry in _largest_first(d, parts)])
     text = f"The model lacks {names}: {before:.3g} {unit} RMS of error become {after:.3g}"
     is_rest = "" if d.verdict == "explained" else f"; more is missing, and {_followed(d)}"
-    return f"{text}{is_rest}; {_sureness(alternatives)}."
+    return f"{text}{is_rest}; {_sureness(alternatives, _doubtful(d))}."
 
 
 def next_sentence(d: Diagnosis, alternatives: list[list[str]], parts: list[Contribution]) -> str:
@@ -106,11 +106,28 @@ def _search_for(d: Diagnosis) -> str:
     return "measure more variables, or the same poses again, to see what the rest follows"
 
 
-def _sureness(alternatives: list[list[str]]) -> str:
-    if not alternatives:
+def _doubtful(d: Diagnosis) -> list[str]:
+    """Effects by axis of which every parameter may be zero: what the log does not tell from nothing."""
+    out = []
+    for entry in d.fit.effects:
+        by_axis: dict[int | None, list[bool]] = {}
+        for name, (low, high) in entry.intervals.items():
+            by_axis.setdefault(getattr(name, "axis", None), []).append(low <= 0.0 <= high)
+        axes = sorted(axis + 1 for axis, own in by_axis.items() if axis is not None and all(own))
+        if by_axis and all(map(all, by_axis.values())):
+            out.append(plain(entry.name))
+        elif axes:
+            out.append(f"{plain(entry.name)} on {_listed(axes)}")
+    return out
+
+
+def _sureness(alternatives: list[list[str]], doubtful: list[str]) -> str:
+    if not alternatives and not doubtful:
         return "any other name is at least 90 times less likely"
     sets = [f"{plain(names[0])} from {joined([plain(name) for name in names[1:]])}" for names in alternatives]
-    return f"not sure: this log cannot tell {joined(sets)}"
+    words = [f"this log cannot tell {joined(sets)}"] if sets else []
+    words += [f"of {joined(doubtful)} the interval reaches zero"] if doubtful else []
+    return f"not sure: {', and '.join(words)}"
 
 
 def _sensor(entry: Entry) -> str:
