@@ -29,7 +29,7 @@ def design() -> Design:
     generated, _ = specimen.make_specimen(WEIGHTS, folder / "specimen")
     twin = planted_twin(folder)
     sources = [twin if path.name == twin.name else path for path in rtl_sources(generated)]
-    return bench.build(sources, GENERICS, ROOT / "tb" / "inject" / "bench.cpp", folder, effort=0)
+    return bench.build(sources, GENERICS, ROOT / "tb" / "inject" / "bench.cpp", folder)
 
 
 def planted_twin(folder: Path) -> Path:

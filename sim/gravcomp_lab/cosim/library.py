@@ -18,6 +18,7 @@ from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
 from gravcomp.prototype.engine import TIME_STEP_S
 from gravcomp.robot.machine import ROBOT_TOML, load_machine
+from gravcomp.simulation.simulator import compiler_effort
 from gravcomp_lab.synthesis.verilator import run_verilator
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 
@@ -30,9 +31,10 @@ WRAPPER = Path(__file__).with_name("cosim.cpp")
 _VERILATOR = [
     *("--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"),
     *("--default-language", "1364-2005", "--prefix", f"V{TOP}", "-LDFLAGS", "-shared"),
+    *compiler_effort(1),
     *("-Wno-lint", "-Wno-COMBDLY", "-Wno-INITIALDLY", "-Wno-UNOPTFLAT"),
 ]
-_COMPILER = "-fPIC -std=c++20 -O2"
+_COMPILER = "-fPIC -std=c++20"
 
 
 class Port(ctypes.Structure):

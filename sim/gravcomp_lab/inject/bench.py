@@ -7,6 +7,7 @@ from pathlib import Path
 
 from gravcomp.errors import InputError
 from gravcomp.files import write_atomically
+from gravcomp.simulation.simulator import compiler_effort
 from gravcomp_lab.inject.state import Store, find_state, make_public
 from gravcomp_lab.synthesis.verilator import run_verilator
 from gravcomp_lab.synthesis.verilog import to_verilog
@@ -22,18 +23,15 @@ class Design:
     stores: list[Store]
 
 
-def build(sources: Sequence[Path], generics: dict[str, int], bench: Path, folder: Path, effort: int = 1) -> Design:
-    """Compile gc_system of these VHDL files and a bench into folder. InputError when a tool refuses.
-
-    effort: of the C++ compiler; 0 is compiled in a fraction of the time and runs several times slower.
-    """
+def build(sources: Sequence[Path], generics: dict[str, int], bench: Path, folder: Path) -> Design:
+    """Compile gc_system of these VHDL files and a bench into folder. InputError when a tool refuses."""
     folder.mkdir(parents=True, exist_ok=True)
     raw = to_verilog(sources, TOP, generics, folder / f"{TOP}-plain.v").read_text()
     stores = find_state(raw, TOP, [path.stem for path in sources])
     verilog = folder / f"{TOP}.v"
     write_atomically(verilog, make_public(raw))
     write_atomically(folder / "stores.h", _table(stores))
-    flags = f"-O{effort} -std=c++20 -I{folder.resolve()}"
+    flags = f"-std=c++20 -I{folder.resolve()}"
     options = [
         "--cc",
         "--exe",
@@ -50,6 +48,7 @@ def build(sources: Sequence[Path], generics: dict[str, int], bench: Path, folder
         "0",
         "-CFLAGS",
         flags,
+        *compiler_effort(1),
     ]
     options += ["-Wno-lint", "-Wno-INITIALDLY", "-Wno-UNOPTFLAT", "--top-module", TOP, "--Mdir", folder / "verilated"]
     run_verilator([*options, "-o", "bench", verilog, bench.resolve()])
