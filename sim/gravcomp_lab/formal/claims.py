@@ -44,6 +44,7 @@ class Claim:
     clocks_behind_core: what the entity's latency is longer than that of gc_core with the same generics; the checker
     then gets the sum as LATENCY. free_clocks, cuts: as of model_check. induction: clocks of induct, in place of
     model_check. axis: that of the claim, the checker's parameter AXIS. form: of the ROM, if another than the paper's.
+    rewrite: as of model_check.
     """
 
     checker: str
@@ -56,6 +57,7 @@ class Claim:
     induction: int = 0
     axis: int | None = None
     form: str = PAPER
+    rewrite: bool = False
 
     @property
     def name(self) -> str:
@@ -131,7 +133,7 @@ CLAIMS = (
     ),
     Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
     # Of the loader nothing matters to an interrupt, and its key is 32 bits.
-    Claim("interrupts", "gc_bus_side", cuts=("unlocked", "loads", "loads_waiting")),
+    Claim("interrupts", "gc_bus_side", cuts=("unlocked", "loads", "loads_waiting"), rewrite=True),
     Claim(
         "force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=COMPENSATOR_CLOCKS + CURRENT_SCALER_CLOCKS + 1
     ),
@@ -182,7 +184,16 @@ def verify(claim: Claim, rtl: Path, checkers: Path, out: Path, broken: Collectio
         return induct(design, checker, folder, parameters, claim.induction, claim.cuts)
     if broken:
         return refute(design, checker, folder, parameters, broken, free_clocks=claim.free_clocks, cuts=claim.cuts)
-    return model_check(design, checker, folder, parameters, clocks, free_clocks=claim.free_clocks, cuts=claim.cuts)
+    return model_check(
+        design,
+        checker,
+        folder,
+        parameters,
+        clocks,
+        free_clocks=claim.free_clocks,
+        cuts=claim.cuts,
+        rewrite=claim.rewrite,
+    )
 
 
 def _verify_sums(claim: Claim, design: Path, fixed: FixedNetwork) -> Verdict:
