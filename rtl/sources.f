@@ -20,6 +20,8 @@ common/gc_delay.vhd
 common/gc_ring.vhd
 common/gc_copy.vhd
 common/gc_adder_tree.vhd
+common/gc_wide_multiply.vhd
+common/gc_in_turn.vhd
 network/gc_weight_rom.vhd
 loading/gc_bank_ram.vhd
 loading/gc_weight_bank.vhd

@@ -16,7 +16,7 @@ from gravcomp.core.image import Image, load_image
 from gravcomp.network.weights import load_network
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
-from gravcomp_lab.benches.force_path import CLOCKS_BEHIND_CORE, Bench
+from gravcomp_lab.benches.force_path import Bench
 from machines import MACHINE, machine_folder
 
 SPHEIRO = ROOT / "weights" / "spheiro"
@@ -143,7 +143,7 @@ class LoadBench(Bench):
         clocks, force, current, clamped, saturated = (list(column) for column in zip(*self.results, strict=True))
         banks = np.array([bank for _, bank in self.accepted])
         count = unpack([count for count, _ in self.accepted], COUNT_BITS, 3)
-        then = [self.history[clock - CLOCKS_BEHIND_CORE] for clock in clocks]
+        then = [self.history[clock - self.clocks_behind_core] for clock in clocks]
         late_count = unpack([count for count, _ in then], COUNT_BITS, 3)
         period = unpack([period for _, period in then], 32, 3)
         for bank in set(banks):

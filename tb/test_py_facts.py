@@ -8,6 +8,7 @@ import pytest
 from codes import ROOT
 from gravcomp import facts
 from gravcomp.core.compensator_tables import MANTISSA_BITS, N_POSITIONS, N_SPEEDS
+from gravcomp.core.cost import CoreCost
 from gravcomp.driver.registers import MOTION_XML, read_registers
 from gravcomp.errors import InputError
 from gravcomp.facts import ALWAYS, Cause, State
@@ -70,8 +71,10 @@ def test_latencies_in_the_table_of_entities_are_those_of_the_facts():
     rows = dict(re.findall(r"^\| `gc_(\w+)` \|[^|]*\| (\d+)", (RTL / "README.md").read_text(), re.M))
     clocks = {name.removesuffix("_CLOCKS").lower(): n for name, n in vars(facts).items() if name.endswith("_CLOCKS")}
     assert {name: int(rows[name]) for name in clocks} == clocks
-    behind = facts.COMPENSATOR_CLOCKS + facts.CURRENT_SCALER_CLOCKS + 1
-    assert f"that of `gc_core` and {behind} |" in (RTL / "README.md").read_text()
+    path = (RTL / "README.md").read_text()
+    at_once, in_turn = (CoreCost(20, 3, 3, lanes).clocks_behind() for lanes in (20, 4))
+    assert in_turn == at_once + 2 * 3 - 1
+    assert f"that of `gc_core` and {at_once}; 2 k - 1 more where k axes take turns;" in path
 
 
 def test_tables_have_a_node_per_address():

@@ -79,7 +79,7 @@ def test_pins_to_currents_fit_a_up5k(tmp_path):
 
 
 def test_clocks_from_pins_are_those_of_the_header():
-    """gc_core_serial 149, held 1, three currents in turn 3 + 3, commands 1; of one axis 3 alone."""
+    """gc_core_serial 149, three currents in turn 4 + 3, commands 1; of one axis 4 alone."""
     core, path = TOPS
     costs = [CoreCost(20, n, n, 1, True, True) for n in (3, 1)]
     assert [core.clocks(cost) for cost in costs] == [149, 109]

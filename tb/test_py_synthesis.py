@@ -98,12 +98,20 @@ def test_loaded_weights_are_memories(lanes, memory, number, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("entity", ["gc_loader", "gc_bank_switch", "gc_compensator"])
+@pytest.mark.parametrize("entity", ["gc_loader", "gc_bank_switch"])
 def test_loading_has_no_latch(entity, tmp_path):
-    generics = {"loadable_g": "true"} if entity == "gc_compensator" else {}
-    verilog = to_verilog(rtl_sources(RTL), entity, generics, tmp_path / "entity.v")
-    cells = synthesise(verilog, entity, "generic", tmp_path).cells
-    assert cells.get("$mem_v2", 0) == (9 if entity == "gc_compensator" else 0)
+    verilog = to_verilog(rtl_sources(RTL), entity, {}, tmp_path / "entity.v")
+    assert "$mem_v2" not in synthesise(verilog, entity, "generic", tmp_path).cells
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("in_turn", "units"), [(1, 3), (3, 1)])
+def test_axes_in_turn_share_tables_and_multipliers(in_turn, units, tmp_path):
+    """A unit: three tables; a product each, three of 18 bits for the phase modulo a turn, two for the load."""
+    generics = {"turns_g": in_turn, "loadable_g": "true"}
+    verilog = to_verilog(rtl_sources(RTL), "gc_compensator", generics, tmp_path / "compensator.v")
+    cells = synthesise(verilog, "gc_compensator", "generic", tmp_path).cells
+    assert (cells["$mem_v2"], cells["$mul"]) == (3 * units, (3 + 3 + 2) * units)
 
 
 @pytest.mark.slow

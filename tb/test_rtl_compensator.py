@@ -9,8 +9,8 @@ import pytest
 
 from codes import ROOT, corners_and_random, fixed_network, pack, unpack
 from compensated import CSV, N_AXES, compensated_weights, constants, draw_periods
+from gravcomp.core.cost import compensator_clocks
 from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
-from gravcomp.facts import COMPENSATOR_CLOCKS
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator, friction
 from gravcomp_lab.benches.force_path import Bench
@@ -18,9 +18,13 @@ from gravcomp_lab.benches.stream import latencies, start, stream
 from runner import BUILD, simulate
 
 OUTPUTS = ["out_force", "out_saturated"]
-LATENCY = COMPENSATOR_CLOCKS
 PACE = 6  # clocks per encoder edge: the force is there before the speed is known
 WEIGHTS = BUILD / "compensated"
+
+
+def in_turn() -> int:
+    """Axes that share a unit; results may then follow each other after as many clocks."""
+    return int(os.environ["TURNS_G"])
 
 
 def draw(n: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -54,10 +58,10 @@ def assert_equal_to_model(recording, force, count, period) -> np.ndarray:
 async def back_to_back(dut):
     inputs = draw(600, np.random.default_rng(31))
     await start(dut)
-    got = await stream(dut, words(*inputs), OUTPUTS)
+    got = await stream(dut, words(*inputs), OUTPUTS, spacing=in_turn())
     saturated = assert_equal_to_model(got, *inputs)
     assert saturated.any(), "nothing saturated: the corners were not reached"
-    assert latencies(got) == {LATENCY}
+    assert latencies(got) == {compensator_clocks(in_turn())}
 
 
 @cocotb.test()
@@ -66,9 +70,11 @@ async def random_gaps_and_resets(dut):
     await start(dut)
     for _ in range(5):
         inputs = draw(20, rng)
-        got = await stream(dut, words(*inputs), OUTPUTS, gap_probability=0.7, rng=rng)
+        options = {"spacing": in_turn(), "gap_probability": 0.7, "rng": rng}
+        got = await stream(dut, words(*inputs), OUTPUTS, **options)
         assert_equal_to_model(got, *inputs)
-        await stream(dut, words(*draw(int(rng.integers(1, LATENCY)), rng)), OUTPUTS, flush_clocks=0)
+        under_way = words(*draw(int(rng.integers(1, compensator_clocks(in_turn()))), rng))
+        await stream(dut, under_way, OUTPUTS, spacing=in_turn(), flush_clocks=int(rng.integers(0, in_turn())))
         dut.in_valid.value = 0
         dut.rst.value = 1
         await cocotb.triggers.FallingEdge(dut.clk)
@@ -79,10 +85,10 @@ async def random_gaps_and_resets(dut):
 async def transparent(dut):
     force, count, period = draw(300, np.random.default_rng(33))
     await start(dut)
-    got = await stream(dut, words(force, count, period), OUTPUTS)
+    got = await stream(dut, words(force, count, period), OUTPUTS, spacing=in_turn())
     np.testing.assert_array_equal(unpack(got.outputs["out_force"], FORCE_BITS, N_AXES), force)
     assert not any(got.outputs["out_saturated"])
-    assert latencies(got) == {LATENCY}
+    assert latencies(got) == {compensator_clocks(in_turn())}
 
 
 async def added_mn(bench: Bench) -> np.ndarray:
@@ -117,12 +123,15 @@ async def motion_reversal_and_rest(dut):
         np.testing.assert_array_equal(await added_mn(bench), 0)
 
 
+@pytest.mark.parametrize("turns", [1, 3])
 @pytest.mark.parametrize("test", ["back_to_back", "random_gaps_and_resets"])
-def test_compensator_equals_model(test):
+def test_compensator_equals_model(test, turns):
+    """With a unit per axis, and with one whose tables and multipliers all axes take in turn."""
     folder = compensated_weights(WEIGHTS / "rich")
     simulate(
         "gc_compensator",
         "test_rtl_compensator",
+        generics={"turns_g": turns},
         tests=f"{test}$",
         label=f"rich_{test}",
         generated=folder / "generated",
@@ -130,8 +139,10 @@ def test_compensator_equals_model(test):
     )
 
 
-def test_compensator_is_transparent_without_constants():
-    simulate("gc_compensator", "test_rtl_compensator", tests="transparent$", label="transparent")
+@pytest.mark.parametrize("turns", [1, 3])
+def test_compensator_is_transparent_without_constants(turns):
+    simulate("gc_compensator", "test_rtl_compensator", generics={"turns_g": turns}, tests="transparent$",
+             label="transparent")  # fmt: skip
 
 
 def test_top_adds_friction_in_motion_and_nothing_at_rest():

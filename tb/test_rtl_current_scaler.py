@@ -11,9 +11,9 @@ import pytest
 from arm import arm_toml
 from axes import random_network
 from codes import corners_and_random, fixed_network, pack, unpack, weights_under_test
+from gravcomp.core.cost import current_scaler_clocks
 from gravcomp.core.formats import CURRENT_BITS, FORCE_BITS
 from gravcomp.core.vhdl.network_package import write_rom
-from gravcomp.facts import CURRENT_SCALER_CLOCKS
 from gravcomp.network.inputs import POSITION
 from gravcomp.robot.machine import load_machine
 from gravcomp.twin.network import current_saturates, current_scaler
@@ -22,14 +22,14 @@ from machines import machine_folder
 from runner import simulate
 
 
-def is_serial() -> bool:
-    """Whether one multiplier makes all currents in turn."""
-    return os.environ.get("SERIAL_G") == "true"
+def in_turn() -> int:
+    """Axes that share a multiplier."""
+    return int(os.environ["TURNS_G"])
 
 
 def held() -> dict:
     """What gc_scale asks of its inputs then."""
-    return {"spacing": fixed_network().n_axes, "holds": True} if is_serial() else {}
+    return {"spacing": in_turn(), "holds": True} if in_turn() > 1 else {}
 
 
 @cocotb.test()
@@ -43,8 +43,7 @@ async def random_forces(dut):
     saturated = unpack(got.outputs["out_saturated"], 1, fixed.n_axes) != 0
     np.testing.assert_array_equal(current_ua, current_scaler(force_mn, fixed))
     np.testing.assert_array_equal(saturated, current_saturates(force_mn, fixed))
-    waits = fixed.n_axes if is_serial() and fixed.n_axes > 1 else 0
-    assert latencies(got) == {CURRENT_SCALER_CLOCKS + waits}
+    assert latencies(got) == {current_scaler_clocks(in_turn())}
     drive = load_machine(weights_under_test()).drive
     exact_ua = force_mn * 1000.0 / drive.effort_per_ampere
     constant_error = 0.5 / fixed.current_scale  # the factor is rounded to its last bit
@@ -63,22 +62,24 @@ async def reset_in_mid_stream(dut):
         np.testing.assert_array_equal(current_ua, current_scaler(force_mn, fixed))
 
 
-@pytest.mark.parametrize("serial", ["false", "true"])
-def test_current_scaler_equals_model(serial):
-    simulate("gc_current_scaler", "test_rtl_current_scaler", generics={"serial_g": serial})
+@pytest.mark.parametrize("turns", [1, 3])
+def test_current_scaler_equals_model(turns):
+    simulate("gc_current_scaler", "test_rtl_current_scaler", generics={"turns_g": turns})
 
 
-def test_current_scaler_of_unlike_drives_saturates_where_a_current_does_not_fit(tmp_path):
-    """0.05 Nm/A beside 45 Nm/A: each has a fraction of its own."""
-    folder, text = tmp_path / "weights", arm_toml(2)
+@pytest.mark.parametrize("turns", [1, 2, 4])
+def test_current_scaler_of_unlike_drives_saturates_where_a_current_does_not_fit(turns, tmp_path):
+    """0.05 Nm/A beside 45 Nm/A: each has a fraction of its own; with two of four axes in turn, two multipliers."""
+    folder, text = tmp_path / "weights", arm_toml(4)
     for usual, other in (("40.0", "0.05"), ("20.0", "45.0")):
         text = text.replace(f"effort_per_ampere = {usual}", f"effort_per_ampere = {other}")
-    machine_folder(folder, random_network((POSITION,) * 2, 4), text)
+    machine_folder(folder, random_network((POSITION,) * 4, 4), text)
     write_rom(folder, tmp_path / "generated")
     simulate(
         "gc_current_scaler",
         "test_rtl_current_scaler",
         environment={"WEIGHTS": str(folder)},
         generated=tmp_path / "generated",
+        generics={"turns_g": turns},
         label="unlike",
     )

@@ -10,16 +10,15 @@ import pytest
 
 from codes import fixed_compensation, fixed_network, pack, unpack, weights_under_test
 from compensated import compensated_weights
-from gravcomp.core.cost import CoreCost
 from gravcomp.core.formats import COUNT_BITS, CURRENT_BITS, FORCE_BITS
 from gravcomp.core.vhdl.network_package import write_rom
-from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS
 from gravcomp.twin import network as bittrue
 from gravcomp.twin.compensator import compensator
 from gravcomp_lab.benches.force_path import (
     BENCH_SOURCES,
     Bench,
     continuous_motion,  # noqa: F401, cocotb finds it here
+    core_cost,
     motion_run,
     poses,  # noqa: F401
 )
@@ -100,10 +99,8 @@ async def flags_one_after_the_other(dut):
     assert len(np.unique((counts > fixed.count_high).sum(axis=1))) > 2, "the axes did not cross one after the other"
     began, compensated = bench.n_clocks, os.environ["COMPENSATED_G"] == "true"
     await bench.infer()
-    scaler = CURRENT_SCALER_CLOCKS + (n if n > 1 else 0)
-    behind_core = (COMPENSATOR_CLOCKS if compensated else 0) + scaler + 2
-    core = CoreCost(fixed.n_hidden, fixed.n_inputs, n, 1, fixed.is_lean, fixed.is_serial)
-    assert bench.n_clocks - began == core.latency + behind_core
+    core = core_cost(fixed, int(os.environ["LANES_G"]))
+    assert bench.n_clocks - began == core.latency + core.clocks_behind(compensated)
     dut.rst.value = 1
     await bench.clocks(1)
     assert bench.outputs() == [0, 0, 0, 0]
@@ -141,19 +138,26 @@ def test_top_flags_the_counts_they_belong_to_and_forgets_all_at_a_reset():
     simulate_top("end_of_the_trained_range", generics={"lanes_g": 20})  # a result per clock: no flag may be late
 
 
+@pytest.mark.parametrize("lanes", [1, 4, 10])
+def test_top_whose_axes_take_turns_flags_the_counts_they_belong_to(lanes):
+    """As many as fit between two results: with a result held, with results on their way, and with none sharing."""
+    simulate_top("flags_one_after_the_other", label="turns", generics={"lanes_g": lanes, "compensated_g": "true"})
+
+
 @pytest.mark.parametrize("compensated", ["false", "true"])
 def test_top_of_the_serial_form_equals_model_and_flags_the_counts_they_belong_to(compensated):
-    """With a compensator that adds nothing, and without: one multiplier makes the currents in turn."""
+    """With a compensator that adds nothing, and without: currents are made in turn."""
     weights, generated = shipped_in("serial")
-    simulate_top("flags_one_after_the_other", label="serial flags", generics={"compensated_g": compensated},
+    generics = {"lanes_g": 1, "compensated_g": compensated}
+    simulate_top("flags_one_after_the_other", label="serial flags", generics=generics,
                  environment={"WEIGHTS": str(weights)}, generated=generated)  # fmt: skip
 
 
 def test_loadable_top_of_the_serial_form_is_refused():
     weights, generated = shipped_in("serial")
     with pytest.raises(AssertionError, match="gc_force_path: need loadable_g = false with a ROM of the form serial"):
-        simulate_top("poses", label="serial loadable", generics={"loadable_g": "true"}, generated=generated,
-                     environment={"WEIGHTS": str(weights)})  # fmt: skip
+        simulate_top("poses", label="serial loadable", generics={"lanes_g": 1, "loadable_g": "true"},
+                     generated=generated, environment={"WEIGHTS": str(weights)})  # fmt: skip
 
 
 def test_top_with_a_compensator_follows_a_short_motion(tmp_path):

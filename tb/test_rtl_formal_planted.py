@@ -381,9 +381,9 @@ PLANTED = [
         ("        crc <= (others => '0');\n      end if;", "      end if;", "reset_returns_to_the_rom"),
     ]),
     ("friction", "gc_friction", [
-        ("valid <= in_valid & valid(1 to 9);", "valid <= in_valid & in_valid & valid(1 to 8);",
-         "comes_after_ten_clocks"),
-        ("if force_6(force_6'high) = '1' then", "if force_6(force_6'low) = '1' then",
+        ("valid <= in_valid & valid(1 to valid'high - 1);",
+         "valid <= in_valid & in_valid & valid(1 to valid'high - 2);", "comes_after_twelve_clocks"),
+        ("if force_7(force_7'high) = '1' then", "if force_7(force_7'low) = '1' then",
          "load_is_multiplied_by_its_magnitude"),
         ("sliding_v(mu_fraction_c - 1) := '1';", "sliding_v(mu_fraction_c - 2) := '1';", "sum_is_exact_and_rounded"),
     ]),

@@ -22,6 +22,12 @@ package gc_fixed_pkg is
     terms : positive
   ) return natural;
 
+  -- Bits of an address of so many places, at least one.
+
+  function index_bits (
+    places : positive
+  ) return positive;
+
   -- Bits that are '1'.
 
   function ones (
@@ -35,12 +41,68 @@ package gc_fixed_pkg is
     lanes : positive
   ) return positive;
 
+  -- How many axes share a unit, in turn, where so many clocks lie between results: as many as fit and divide them all.
+
+  function turns_of (
+    axes : positive;
+    interval : positive
+  ) return positive;
+
+  -- Of gc_wide_multiply: width of a part of an operand that does not fit one, and how many there are of an operand.
+
+  constant part_bits_c : positive := operand_bits_c - 1;
+
+  function product_parts (
+    bits : positive
+  ) return positive;
+
+  -- One of them, the lowest 0, as an operand; the highest has the sign.
+
+  function product_part (
+    value : signed;
+    part : natural
+  ) return signed;
+
+  -- Products of two parts that reach so many bits, and the place of one of them.
+
+  function product_terms (
+    a_bits : positive;
+    b_bits : positive;
+    product_bits : positive
+  ) return positive;
+
+  function product_place (
+    a_part : natural;
+    b_part : natural;
+    b_bits : positive;
+    product_bits : positive
+  ) return natural;
+
+  -- Latency of gc_wide_multiply, clocks.
+
+  function product_latency (
+    a_bits : positive;
+    b_bits : positive;
+    product_bits : positive
+  ) return positive;
+
   -- Latency of gc_scale, clocks.
 
   function scale_latency (
     values : positive;
-    serial : boolean
+    serial : boolean;
+    value_bits : positive := operand_bits_c
   ) return natural;
+
+  -- Latencies of gc_compensator and gc_current_scaler, clocks, with so many axes in turn.
+
+  function compensator_latency (
+    turns : positive
+  ) return positive;
+
+  function current_scaler_latency (
+    turns : positive
+  ) return positive;
 
   -- Latency of gc_input_scaler, clocks: with one multiplier the codes wait a clock for it, else the products.
 
@@ -144,6 +206,19 @@ package body gc_fixed_pkg is
 
   end function tree_depth;
 
+  function index_bits (
+    places : positive
+  ) return positive is
+  begin
+
+    if places = 1 then
+      return 1;
+    end if;
+
+    return tree_depth(places);
+
+  end function index_bits;
+
   function ones (
     bits : std_ulogic_vector
   ) return natural is
@@ -199,19 +274,142 @@ package body gc_fixed_pkg is
 
   end function turn_latency;
 
+  function turns_of (
+    axes : positive;
+    interval : positive
+  ) return positive is
+
+    variable turns_v : positive := 1;
+
+  begin
+
+    for k in 1 to axes loop
+
+      if k <= interval and axes mod k = 0 then
+        turns_v := k;
+      end if;
+
+    end loop;
+
+    return turns_v;
+
+  end function turns_of;
+
+  function product_parts (
+    bits : positive
+  ) return positive is
+  begin
+
+    return 1 + (bits - 2) / part_bits_c;
+
+  end function product_parts;
+
+  function product_part (
+    value : signed;
+    part : natural
+  ) return signed is
+
+    alias    value_a : signed(value'length - 1 downto 0) is value;
+    constant low_c   : natural := part * part_bits_c;
+
+  begin
+
+    if part = product_parts(value'length) - 1 then
+      return resize(value_a(value_a'high downto low_c), operand_bits_c);
+    end if;
+
+    return '0' & value_a(low_c + part_bits_c - 1 downto low_c);
+
+  end function product_part;
+
+  function product_place (
+    a_part : natural;
+    b_part : natural;
+    b_bits : positive;
+    product_bits : positive
+  ) return natural is
+
+    variable place_v : natural := b_part;
+
+  begin
+
+    for i in 0 to a_part - 1 loop
+
+      for k in 0 to product_parts(b_bits) - 1 loop
+
+        if (i + k) * part_bits_c < product_bits then
+          place_v := place_v + 1;
+        end if;
+
+      end loop;
+
+    end loop;
+
+    return place_v;
+
+  end function product_place;
+
+  function product_terms (
+    a_bits : positive;
+    b_bits : positive;
+    product_bits : positive
+  ) return positive is
+  begin
+
+    return product_place(product_parts(a_bits), 0, b_bits, product_bits);
+
+  end function product_terms;
+
+  function product_latency (
+    a_bits : positive;
+    b_bits : positive;
+    product_bits : positive
+  ) return positive is
+  begin
+
+    return 2 + tree_depth(product_terms(a_bits, b_bits, product_bits));
+
+  end function product_latency;
+
   function scale_latency (
     values : positive;
-    serial : boolean
+    serial : boolean;
+    value_bits : positive := operand_bits_c
   ) return natural is
+
+    constant product_c : positive := product_latency(value_bits, operand_bits_c, value_bits + operand_bits_c);
+
   begin
 
     if serial and values > 1 then
-      return values + 2;
+      return values + product_c;
     end if;
 
-    return 2;
+    return product_c;
 
   end function scale_latency;
+
+  function compensator_latency (
+    turns : positive
+  ) return positive is
+  begin
+
+    return compensator_clocks_c + turns - 1;
+
+  end function compensator_latency;
+
+  function current_scaler_latency (
+    turns : positive
+  ) return positive is
+  begin
+
+    if turns > 1 then
+      return current_scaler_clocks_c + turns;
+    end if;
+
+    return current_scaler_clocks_c;
+
+  end function current_scaler_latency;
 
   function hidden_latency (
     inputs : positive;

@@ -2,10 +2,11 @@
 --
 -- out_products(i) = in_values(i) * factors(i) for n values: with n multipliers at once, or with one, in turn.
 --
--- With one multiplier in_values must hold for values_g clocks. out_products hold from out_valid as long as in_values
--- did, with one multiplier to the next out_valid.
--- Formats: value_bits_g x 18 -> that and 18 bits, value 0 lowest in the vectors. Latency: 2 clocks; with one multiplier values_g + 2, and
--- in_valid must then stay values_g clocks apart. Overflow: cannot happen.
+-- With one multiplier value k is read k clocks after in_valid: it holds until then, or comes then. out_products hold
+-- from out_valid as long as in_values did, with one multiplier to the next out_valid.
+-- Formats: value_bits_g x 18 -> that and 18 bits, value 0 lowest in the vectors. Latency: that of gc_wide_multiply, 2
+-- clocks for values of 18 bits; with one multiplier values_g more, and in_valid must then stay values_g clocks apart.
+-- Overflow: cannot happen.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -49,10 +50,11 @@ begin
 
     g_value : for i in 0 to values_g - 1 generate
 
-      i_multiply : entity work.gc_multiply
+      i_multiply : entity work.gc_wide_multiply
         generic map (
-          a_bits_g => value_bits_g,
-          b_bits_g => operand_bits_c
+          a_bits_g       => value_bits_g,
+          b_bits_g       => operand_bits_c,
+          product_bits_g => product_bits_c
         )
         port map (
           clk         => clk,
@@ -70,34 +72,35 @@ begin
   end generate g_parallel;
 
   g_serial : if values_g > 1 and serial_g generate
-    constant last_c : positive := values_g - 1;
-
-    -- The value that goes in.
-    signal turn          : std_ulogic_vector(last_c downto 0);
-    signal value         : signed(value_bits_g - 1 downto 0);
-    signal factor        : operand_t;
-    signal value_valid   : std_ulogic;
-    signal product       : signed(product_bits_c - 1 downto 0);
-    signal product_valid : std_ulogic;
-    -- The product that comes out; the ones before the last wait for it.
-    signal arrival       : std_ulogic_vector(last_c downto 0);
-    signal waiting       : signed(last_c * product_bits_c - 1 downto 0);
-    signal products      : signed(values_g * product_bits_c - 1 downto 0);
-    signal valid         : std_ulogic := '0';
+    constant last_c      : positive := values_g - 1;
+    -- Bit k: values came k clocks ago. So value k goes in, and later the last product comes out.
+    constant out_c       : positive := scale_latency(values_g, true, value_bits_g) - 1;
+    signal   turn        : std_ulogic_vector(0 to out_c);
+    signal   then_valid  : std_ulogic_vector(1 to out_c) := (others => '0');
+    signal   value       : signed(value_bits_g - 1 downto 0);
+    signal   factor      : operand_t;
+    signal   value_valid : std_ulogic;
+    signal   product     : signed(product_bits_c - 1 downto 0);
+    -- Products before the last wait for it.
+    signal   waiting     : signed(last_c * product_bits_c - 1 downto 0);
+    signal   products    : signed(values_g * product_bits_c - 1 downto 0);
+    signal   valid       : std_ulogic := '0';
   begin
 
-    value_valid <= in_valid or not turn(0);
+    turn <= in_valid & then_valid;
+    value_valid <= '1' when ones(turn(0 to last_c)) > 0 else '0';
 
-    i_turn : entity work.gc_ring
-      generic map (
-        length_g => values_g
-      )
-      port map (
-        clk      => clk,
-        rst      => rst,
-        in_valid => value_valid,
-        out_turn => turn
-      );
+    p_turn : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        then_valid <= turn(0 to out_c - 1);
+        if rst = '1' then
+          then_valid <= (others => '0');
+        end if;
+      end if;
+
+    end process p_turn;
 
     -- A loop of constant slices: no synthesis tool stumbles over it.
     p_select : process (all) is
@@ -117,10 +120,11 @@ begin
 
     end process p_select;
 
-    i_multiply : entity work.gc_multiply
+    i_multiply : entity work.gc_wide_multiply
       generic map (
-        a_bits_g => value_bits_g,
-        b_bits_g => operand_bits_c
+        a_bits_g       => value_bits_g,
+        b_bits_g       => operand_bits_c,
+        product_bits_g => product_bits_c
       )
       port map (
         clk         => clk,
@@ -128,32 +132,23 @@ begin
         in_valid    => value_valid,
         in_a        => value,
         in_b        => factor,
-        out_valid   => product_valid,
+        out_valid   => open,
         out_product => product
       );
 
-    i_arrival : entity work.gc_ring
-      generic map (
-        length_g => values_g
-      )
-      port map (
-        clk      => clk,
-        rst      => rst,
-        in_valid => product_valid,
-        out_turn => arrival
-      );
-
     p_collect : process (clk) is
+
+      variable all_v : signed(products'range);
+
     begin
 
       if rising_edge(clk) then
-        if product_valid = '1' then
-          waiting <= product & waiting(waiting'high downto product_bits_c);
-          if arrival(last_c) = '1' then
-            products <= product & waiting;
-          end if;
+        all_v := product & waiting;
+        waiting <= all_v(all_v'high downto product_bits_c);
+        if turn(out_c) = '1' then
+          products <= all_v;
         end if;
-        valid <= product_valid and arrival(last_c);
+        valid <= turn(out_c);
         if rst = '1' then
           valid <= '0';
         end if;

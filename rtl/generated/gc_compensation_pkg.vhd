@@ -49,10 +49,10 @@ package gc_compensation_pkg is
     others => (others => '0')
   );
 
-  -- One axis' words as one vector, word 0 lowest.
-  function speed_table (words : speed_words_t; axis : natural) return std_ulogic_vector;
+  -- The words of so many axes as one vector, word 0 of the first of them lowest.
+  function speed_table (words : speed_words_t; first : natural; axes : positive) return std_ulogic_vector;
 
-  function position_table (axis : natural) return std_ulogic_vector;
+  function position_table (first : natural; axes : positive) return std_ulogic_vector;
 
   -- Phase steps as one vector, axis 1 lowest.
   function flat (steps : phase_steps_t) return signed;
@@ -61,21 +61,21 @@ end package gc_compensation_pkg;
 
 package body gc_compensation_pkg is
 
-  function speed_table (words : speed_words_t; axis : natural) return std_ulogic_vector is
-    variable flat_v : std_ulogic_vector(512 * table_word_t'length - 1 downto 0);
+  function speed_table (words : speed_words_t; first : natural; axes : positive) return std_ulogic_vector is
+    variable flat_v : std_ulogic_vector(axes * 512 * table_word_t'length - 1 downto 0);
   begin
-    for i in 0 to 512 - 1 loop
-      flat_v((i + 1) * table_word_t'length - 1 downto i * table_word_t'length) := words(axis * 512 + i);
+    for i in 0 to axes * 512 - 1 loop
+      flat_v((i + 1) * table_word_t'length - 1 downto i * table_word_t'length) := words(first * 512 + i);
     end loop;
     return flat_v;
   end function speed_table;
 
-  function position_table (axis : natural) return std_ulogic_vector is
-    variable flat_v : std_ulogic_vector(256 * table_word_t'length - 1 downto 0);
+  function position_table (first : natural; axes : positive) return std_ulogic_vector is
+    variable flat_v : std_ulogic_vector(axes * 256 * table_word_t'length - 1 downto 0);
   begin
-    for i in 0 to 256 - 1 loop
+    for i in 0 to axes * 256 - 1 loop
       flat_v((i + 1) * table_word_t'length - 1 downto i * table_word_t'length)
-        := position_words_c(axis * 256 + i);
+        := position_words_c(first * 256 + i);
     end loop;
     return flat_v;
   end function position_table;

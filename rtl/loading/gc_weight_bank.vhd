@@ -45,20 +45,7 @@ architecture rtl of gc_weight_bank is
   -- Whether the last word of this lane pads the table: no record is written there, the ROM has its zeros.
   constant pads_c  : boolean  := (steps_c - 1) * lanes_g + lane_g >= words_g;
 
-  -- At least one bit: a lane of one word has its address too.
-
-  function address_bits return positive is
-  begin
-
-    if steps_c = 1 then
-      return 1;
-    end if;
-
-    return tree_depth(steps_c);
-
-  end function address_bits;
-
-  constant address_bits_c : positive := address_bits;
+  constant address_bits_c : positive := index_bits(steps_c);
 
   subtype address_t is unsigned(address_bits_c - 1 downto 0);
 

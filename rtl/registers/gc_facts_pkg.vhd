@@ -58,8 +58,8 @@ package gc_facts_pkg is
   -- Latencies.
   constant activation_clocks_c     : positive := 3;
   constant speed_meter_clocks_c    : positive := 3;
-  constant compensator_clocks_c    : positive := 12;
-  constant current_scaler_clocks_c : positive := 3;
+  constant compensator_clocks_c    : positive := 14;
+  constant current_scaler_clocks_c : positive := 4;
   constant drive_clocks_c          : positive := 6;
 
   -- Sections of an image.

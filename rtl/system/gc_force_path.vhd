@@ -1,12 +1,12 @@
 -- SPDX-License-Identifier: MIT
 --
 -- Encoder pins in, force and current commands out: one decoder per axis, the network, the compensator, currents
--- i = f / K_t. The network is gc_core or, with a ROM of the form serial, gc_core_serial; one multiplier then makes the
--- currents, too.
+-- i = f / K_t. The network is gc_core or, with a ROM of the form serial, gc_core_serial. Behind it axes share
+-- multipliers and tables, in turn, as far as the clocks between two results allow: all of them with one lane and in the
+-- form serial, none where there is a result per clock (turns_of in gc_fixed_pkg).
 --
--- Latency from accepted in_valid to out_valid: those of gc_core, gc_compensator and gc_current_scaler and 1 clock; in the
--- form serial 1 clock more. From a pin to the count: see gc_quad_decoder. Overflow and illegal input: see the status
--- ports; none is silent.
+-- Latency from accepted in_valid to out_valid: those of gc_core, gc_compensator and gc_current_scaler and 1 clock.
+-- From a pin to the count: see gc_quad_decoder. Overflow and illegal input: see the status ports; none is silent.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -14,6 +14,7 @@ library ieee;
 
 library work;
   use work.gc_facts_pkg.all;
+  use work.gc_fixed_pkg.all;
   use work.gc_image_pkg.all;
   use work.gc_network_pkg.all;
   use work.gc_scalars_pkg.all;
@@ -98,6 +99,22 @@ end entity gc_force_path;
 
 architecture rtl of gc_force_path is
 
+  -- Clocks between two results, at least; in the form serial each product of the output layer takes one.
+
+  function result_interval return positive is
+  begin
+
+    if serial_form_c then
+      return hidden_c * outputs_c;
+    end if;
+
+    return lane_steps(hidden_c, lanes_g);
+
+  end function result_interval;
+
+  constant turns_c          : positive := turns_of(axes_c, result_interval);
+  constant scaler_latency_c : positive := current_scaler_latency(turns_c);
+
   signal count         : signed(axes_c * count_bits_c - 1 downto 0);
   signal count_valid   : std_ulogic_vector(axes_c - 1 downto 0);
   signal counts_valid  : std_ulogic;
@@ -113,11 +130,11 @@ architecture rtl of gc_force_path is
   signal flags         : std_ulogic_vector(axes_c + axes_c - 1 downto 0);
   signal flags_waited  : std_ulogic_vector(axes_c + axes_c - 1 downto 0);
   signal force_valid   : std_ulogic;
-  signal scaled_valid  : std_ulogic;
-  signal scaled_mn     : signed(axes_c * force_bits_c - 1 downto 0);
   signal unfit         : std_ulogic_vector(axes_c - 1 downto 0);
-  -- Results, to wait for the current scaler.
+  -- Results: as they come, as the current scaler takes their forces, and as they have waited for it.
   signal result        : std_ulogic_vector(force_mn'length + axes_c + axes_c - 1 downto 0);
+  signal held          : std_ulogic_vector(force_mn'length + axes_c + axes_c - 1 downto 0);
+  signal scaled_mn     : signed(axes_c * force_bits_c - 1 downto 0);
   signal result_waited : std_ulogic_vector(force_mn'length + axes_c + axes_c - 1 downto 0);
   signal current       : signed(axes_c * current_bits_c - 1 downto 0);
   signal current_valid : std_ulogic;
@@ -236,7 +253,7 @@ begin
     i_flags : entity work.gc_delay
       generic map (
         bits_g   => flags'length,
-        clocks_g => compensator_clocks_c
+        clocks_g => compensator_latency(turns_c)
       )
       port map (
         clk      => clk,
@@ -246,6 +263,7 @@ begin
 
     i_compensator : entity work.gc_compensator
       generic map (
+        turns_g    => turns_c,
         loadable_g => loadable_g
       )
       port map (
@@ -269,14 +287,49 @@ begin
     unfit <= (others => '0');
   end generate g_compensator;
 
+  result <= std_ulogic_vector(force_mn) & flags_waited(flags_waited'high downto axes_c)
+            & (flags_waited(axes_c - 1 downto 0) or unfit);
+
+  -- What waits for currents that are made in turn, until the next result.
+
+  g_held : if turns_c > 1 generate
+
+    p_held : process (clk) is
+    begin
+
+      if rising_edge(clk) then
+        if force_valid = '1' then
+          held <= result;
+        end if;
+      end if;
+
+    end process p_held;
+
+  end generate g_held;
+
+  -- The first axis of a multiplier goes in as it comes, the others from where they wait.
+
+  g_scaled : for i in 0 to axes_c - 1 generate
+    constant low_c  : natural := i * force_bits_c;
+    constant high_c : natural := low_c + force_bits_c - 1;
+  begin
+
+    g_first : if i mod turns_c = 0 generate
+      scaled_mn(high_c downto low_c) <= force_mn(high_c downto low_c);
+    else generate
+      scaled_mn(high_c downto low_c) <= signed(held(axes_c + axes_c + high_c downto axes_c + axes_c + low_c));
+    end generate g_first;
+
+  end generate g_scaled;
+
   i_current : entity work.gc_current_scaler
     generic map (
-      serial_g => serial_form_c
+      turns_g => turns_c
     )
     port map (
       clk           => clk,
       rst           => rst,
-      in_valid      => scaled_valid,
+      in_valid      => force_valid,
       in_force      => scaled_mn,
       out_valid     => current_valid,
       out_current   => current,
@@ -284,38 +337,16 @@ begin
       scalars       => scalars
     );
 
-  result <= std_ulogic_vector(force_mn) & flags_waited(flags_waited'high downto axes_c)
-            & (flags_waited(axes_c - 1 downto 0) or unfit);
+  -- What still waits there when the currents come need not wait elsewhere.
 
-  -- Results are rare in the form serial: one register holds them while their currents are made, one after the other.
-
-  g_result : if serial_form_c generate
-    signal held_valid : std_ulogic := '0';
-  begin
-
-    p_held : process (clk) is
-    begin
-
-      if rising_edge(clk) then
-        held_valid <= force_valid;
-        if force_valid = '1' then
-          result_waited <= result;
-        end if;
-        if rst = '1' then
-          held_valid <= '0';
-        end if;
-      end if;
-
-    end process p_held;
-
-    scaled_valid <= held_valid;
-    scaled_mn <= signed(result_waited(result_waited'high downto axes_c + axes_c));
+  g_result : if turns_c > 1 and result_interval >= scaler_latency_c generate
+    result_waited <= held;
   else generate
 
     i_result : entity work.gc_delay
       generic map (
         bits_g   => result'length,
-        clocks_g => current_scaler_clocks_c
+        clocks_g => scaler_latency_c
       )
       port map (
         clk      => clk,
@@ -323,8 +354,6 @@ begin
         out_data => result_waited
       );
 
-    scaled_valid <= force_valid;
-    scaled_mn <= force_mn;
   end generate g_result;
 
   -- Commands hold between results: a drive never sees what is under way.

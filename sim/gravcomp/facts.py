@@ -70,8 +70,8 @@ POSITION_ADDRESS_BITS = 8
 # Latencies.
 ACTIVATION_CLOCKS = 3
 SPEED_METER_CLOCKS = 3
-COMPENSATOR_CLOCKS = 12
-CURRENT_SCALER_CLOCKS = 3
+COMPENSATOR_CLOCKS = 14
+CURRENT_SCALER_CLOCKS = 4
 DRIVE_CLOCKS = 6
 
 # An image: its sections, and the scalars of the last one with the name of their width.

@@ -12,7 +12,7 @@ module force_saturation #(
 
   wire [71:0] force_mn;
   wire [2:0] saturated;
-  (* hierconn *) wire [TOTAL_BITS-1:0] \dut.g_axis_n1_total_11 , \dut.g_axis_n2_total_11 , \dut.g_axis_n3_total_11 ;
+  (* hierconn *) wire [TOTAL_BITS-1:0] \dut.g_unit_n1_total_13 , \dut.g_unit_n2_total_13 , \dut.g_unit_n3_total_13 ;
 
   gc_compensator dut (
       .clk(clk), .rst(rst), .in_valid(in_valid), .in_force(in_force), .in_count(in_count), .in_period(in_period),
@@ -24,7 +24,7 @@ module force_saturation #(
 
   always @(posedge clk) begin
     seen <= 1;
-    totals <= {\dut.g_axis_n3_total_11 , \dut.g_axis_n2_total_11 , \dut.g_axis_n1_total_11 };
+    totals <= {\dut.g_unit_n3_total_13 , \dut.g_unit_n2_total_13 , \dut.g_unit_n1_total_13 };
   end
 
   wire [2:0] clipped, flagged;

@@ -1,10 +1,13 @@
-"""What a network costs in gc_core, in either form, and in gc_core_serial: operations, multipliers, clocks.
+"""What a network costs in gc_core, in either form, and in gc_core_serial: operations, multipliers, clocks; and the
+clocks of what stands behind it in gc_force_path.
 
 Sines and cosines cost no operations here.
 """
 
 from dataclasses import dataclass
 from math import ceil, log2
+
+from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS
 
 _TURN_MULTIPLIERS = 7  # from a count to sine and cosine: gc_phase and gc_sin_cos
 _TURN_CLOCKS = 11  # what gc_turn_stage takes more than gc_input_scaler
@@ -74,6 +77,17 @@ class CoreCost:
         return stages + trees + self.interval + (turns if self.turns else scaler) + scaler
 
     @property
+    def axes_in_turn(self) -> int:
+        """Axes that share tables and multipliers behind the core: as many as fit between two results and divide all."""
+        return max(k for k in range(1, self.axes + 1) if k <= self.interval and self.axes % k == 0)
+
+    def clocks_behind(self, is_compensated: bool = True) -> int:
+        """From the core's efforts, with which the compensator takes counts and speeds, to those of gc_force_path: both
+        stages behind it, and a clock to hold what goes out."""
+        compensator = compensator_clocks(self.axes_in_turn) if is_compensated else 0
+        return compensator + current_scaler_clocks(self.axes_in_turn) + 1
+
+    @property
     def _scalers_share(self) -> bool:
         """Whether one multiplier scales all positions, and one all efforts."""
         return self.lanes == 1 and self.interval >= self.axes
@@ -82,3 +96,13 @@ class CoreCost:
     def _turns_share(self) -> bool:
         """Whether the lanes leave a clock for each axis that turns."""
         return self.interval >= self.turns
+
+
+def compensator_clocks(in_turn: int) -> int:
+    """Latency of gc_compensator with so many axes to a unit, clocks."""
+    return COMPENSATOR_CLOCKS + in_turn - 1
+
+
+def current_scaler_clocks(in_turn: int) -> int:
+    """Latency of gc_current_scaler with so many axes to a multiplier, clocks."""
+    return CURRENT_SCALER_CLOCKS + (in_turn if in_turn > 1 else 0)

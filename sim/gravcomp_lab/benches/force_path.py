@@ -9,12 +9,12 @@ import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
-from gravcomp.core.formats import COUNT_BITS, FORCE_BITS
-from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS
+from gravcomp.core.cost import CoreCost
+from gravcomp.core.formats import COUNT_BITS, FORCE_BITS, FixedNetwork
 from gravcomp.robot.machine import load_machine
 from gravcomp.simulation.measured import hand_over
 from gravcomp_lab.benches.bench import run_bench
-from gravcomp_lab.benches.codes import pack, unpack, weights_under_test
+from gravcomp_lab.benches.codes import fixed_network, pack, unpack, weights_under_test
 from gravcomp_lab.shipped import ROOT
 from gravcomp_lab.simulated.poses import motion, pose_sets
 from gravcomp_lab.simulated.run import SimulatedRun
@@ -25,10 +25,13 @@ CLOCKS_PER_PERIOD = 600  # of 1 ms: the slowest clock that keeps up with the edg
 CLOCK_NS = 2 * round(1e6 / CLOCKS_PER_PERIOD / 2)
 TRAVEL_CLOCKS = 1000  # the longest way between two poses here
 INFERENCE_CLOCKS = 200
-# From the forces of gc_core, beside which the compensator takes the speed, to the result.
-CLOCKS_BEHIND_CORE = COMPENSATOR_CLOCKS + CURRENT_SCALER_CLOCKS + 1
 LATENCY_CLOCKS = 190  # of gc_force_path, most in the form serial, with some to spare
 DECODER_CLOCKS = 12  # synchroniser, filter and count, with some to spare
+
+
+def core_cost(fixed: FixedNetwork, lanes: int) -> CoreCost:
+    """Of a network in the form that it has."""
+    return CoreCost(fixed.n_hidden, fixed.n_inputs, fixed.n_axes, lanes, fixed.is_lean, fixed.is_serial)
 
 
 class Bench:
@@ -37,6 +40,7 @@ class Bench:
     def __init__(self, dut):
         self.dut = dut
         self.n_clocks = 0
+        self.clocks_behind_core = core_cost(fixed_network(), int(os.environ["LANES_G"])).clocks_behind()
 
     async def start(self) -> None:
         Clock(self.dut.clk, CLOCK_NS, "ns").start(start_high=False)
@@ -91,7 +95,7 @@ class Bench:
             assert len(periods) < INFERENCE_CLOCKS, f"no result in {INFERENCE_CLOCKS} clocks"
             periods.append(int(self.dut.sts_speed_period.value))
             await self.clocks(1)
-        return [count, periods[-CLOCKS_BEHIND_CORE], *self.outputs()]
+        return [count, periods[-self.clocks_behind_core], *self.outputs()]
 
     def outputs(self) -> list[int]:
         """Packed force, current and flags."""

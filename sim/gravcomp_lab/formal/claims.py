@@ -15,7 +15,7 @@ from gravcomp.core.formats import COUNT_BITS, OPERAND_BITS, FixedNetwork, quanti
 from gravcomp.core.image import Record, image_records, record_words
 from gravcomp.core.quantised import quantised
 from gravcomp.core.vhdl.network_package import write_rom
-from gravcomp.facts import COMPENSATOR_CLOCKS, CURRENT_SCALER_CLOCKS, DRIVE_CLOCKS, IMAGE_SECTIONS, IMAGE_WORD_BITS
+from gravcomp.facts import DRIVE_CLOCKS, IMAGE_SECTIONS, IMAGE_WORD_BITS
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import PAPER, SERIAL
 from gravcomp.twin.safety import Cause, State
@@ -106,7 +106,7 @@ CLAIMS = (
     Claim("clock_monitor", "gc_clock_monitor", {"bus_limit_g": 8, "core_limit_g": 8}, free_clocks=True),
     Claim("loader", "gc_loader", induction=1),
     Claim("bank_switch", "gc_bank_switch", induction=1),
-    Claim("friction", "gc_friction", {"loadable_g": "true"}, cuts=("sliding_7", "g_load_mu_7"), induction=12),
+    Claim("friction", "gc_friction", {"loadable_g": "true"}, cuts=("sliding_8", "g_load_mu_8"), induction=14),
     *(
         Claim(
             "uart",
@@ -135,7 +135,10 @@ CLAIMS = (
     # Of the loader nothing matters to an interrupt, and its key is 32 bits.
     Claim("interrupts", "gc_bus_side", cuts=("unlocked", "loads", "loads_waiting"), rewrite=True),
     Claim(
-        "force_path", "gc_force_path", {"lanes_g": 4}, clocks_behind_core=COMPENSATOR_CLOCKS + CURRENT_SCALER_CLOCKS + 1
+        "force_path",
+        "gc_force_path",
+        {"lanes_g": 4},
+        clocks_behind_core=CoreCost(HIDDEN, inputs=3, axes=3, lanes=4).clocks_behind(),
     ),
 )
 

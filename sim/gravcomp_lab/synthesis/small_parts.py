@@ -9,7 +9,6 @@ from tqdm import tqdm
 
 from gravcomp.core.cost import CoreCost
 from gravcomp.core.quantised import quantised
-from gravcomp.facts import CURRENT_SCALER_CLOCKS
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from gravcomp_lab.synthesis.around import scan_cells, scanned
@@ -81,17 +80,12 @@ class SmallTop:
     parts: tuple[SmallPart, ...] = PARTS
 
 
-def _path_clocks(core: CoreCost) -> int:
-    """From accepted in_valid to the currents: the result is held, currents are made in turn, commands held."""
-    return core.latency + 1 + CURRENT_SCALER_CLOCKS + (core.axes if core.axes > 1 else 0) + 1
-
-
 TOPS = (
     SmallTop("gc_core_serial", lambda core: core.latency),
     # From pins to forces and currents. Speeds are for a compensator, which there is no room for.
     SmallTop(
         "gc_force_path",
-        _path_clocks,
+        lambda core: core.latency + core.clocks_behind(is_compensated=False),
         {"compensated_g": "false"},
         ("sts_speed_period", "sts_speed_valid", "sts_speed_zero"),
         PARTS[:1],

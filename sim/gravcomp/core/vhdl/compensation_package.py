@@ -127,10 +127,10 @@ package gc_compensation_pkg is
 {position_words_text}
   );
 
-  -- One axis' words as one vector, word 0 lowest.
-  function speed_table (words : speed_words_t; axis : natural) return std_ulogic_vector;
+  -- The words of so many axes as one vector, word 0 of the first of them lowest.
+  function speed_table (words : speed_words_t; first : natural; axes : positive) return std_ulogic_vector;
 
-  function position_table (axis : natural) return std_ulogic_vector;
+  function position_table (first : natural; axes : positive) return std_ulogic_vector;
 
   -- Phase steps as one vector, axis 1 lowest.
   function flat (steps : phase_steps_t) return signed;
@@ -139,21 +139,21 @@ end package gc_compensation_pkg;
 
 package body gc_compensation_pkg is
 
-  function speed_table (words : speed_words_t; axis : natural) return std_ulogic_vector is
-    variable flat_v : std_ulogic_vector({speed_words} * table_word_t'length - 1 downto 0);
+  function speed_table (words : speed_words_t; first : natural; axes : positive) return std_ulogic_vector is
+    variable flat_v : std_ulogic_vector(axes * {speed_words} * table_word_t'length - 1 downto 0);
   begin
-    for i in 0 to {speed_words} - 1 loop
-      flat_v((i + 1) * table_word_t'length - 1 downto i * table_word_t'length) := words(axis * {speed_words} + i);
+    for i in 0 to axes * {speed_words} - 1 loop
+      flat_v((i + 1) * table_word_t'length - 1 downto i * table_word_t'length) := words(first * {speed_words} + i);
     end loop;
     return flat_v;
   end function speed_table;
 
-  function position_table (axis : natural) return std_ulogic_vector is
-    variable flat_v : std_ulogic_vector({position_words} * table_word_t'length - 1 downto 0);
+  function position_table (first : natural; axes : positive) return std_ulogic_vector is
+    variable flat_v : std_ulogic_vector(axes * {position_words} * table_word_t'length - 1 downto 0);
   begin
-    for i in 0 to {position_words} - 1 loop
+    for i in 0 to axes * {position_words} - 1 loop
       flat_v((i + 1) * table_word_t'length - 1 downto i * table_word_t'length)
-        := position_words_c(axis * {position_words} + i);
+        := position_words_c(first * {position_words} + i);
     end loop;
     return flat_v;
   end function position_table;
