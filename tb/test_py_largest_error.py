@@ -98,6 +98,21 @@ def test_largest_error_falls_and_weights_stay_on_the_grid(monkeypatch):
     np.testing.assert_allclose(found.hidden_weights / grid, np.rint(found.hidden_weights / grid), atol=1e-9)
 
 
+def test_worst_poses_are_sought_among_others_every_time(monkeypatch):
+    monkeypatch.setattr(module, "_POOL", 500)
+    network = load_network(SHIPPED)
+    search = module._Search(network, MACHINE.robot, 100, 1)
+    weights = Weights(
+        np.c_[network.hidden_weights, network.hidden_bias], np.c_[network.output_weights, network.output_bias]
+    )
+    for _ in range(2):
+        search.add_worst(weights, 50)
+    added = search.poses.x[100:]
+    assert len(np.unique(added, axis=0)) == 100
+    largest = np.abs(search.poses.errors(weights)).max(axis=1)
+    assert largest[100:].min() > np.median(largest[:100])
+
+
 def test_shipped_network_errs_by_less_than_asked_and_the_default_stays_the_least_square():
     default, least = (load_network(SHIPPED.parent / name) for name in ("spheiro", "spheiro_minimax"))
     inside, edge = MACHINE.robot.workspace(200_000, 501), MACHINE.robot.boundary(200_000, 502)
@@ -108,6 +123,6 @@ def test_shipped_network_errs_by_less_than_asked_and_the_default_stays_the_least
         largest.append(max(np.abs(error).max() for error in errors))
     print(f"mean square {squares} N^2, largest {largest} N")
     assert least.n_hidden == 20
-    assert largest[1] <= 0.283
+    assert largest[1] <= 0.28
     assert squares[1] <= 0.0055
     assert squares[0] < squares[1]

@@ -137,30 +137,28 @@ def descend(
 
 
 class _Search:
-    """Training poses that grow by the worst of a pool."""
+    """Training poses that grow by the worst of a pool, which is drawn anew every time: what is largest lies between the
+    poses of any one draw.
+    """
 
     def __init__(self, network: Network, robot: Robot, n_poses: int, seed: int):
-        self._network = network
         self.scaling = Scaling(*(getattr(network, name) for name in Scaling.__dataclass_fields__))
-        base = self._rows(robot.workspace(n_poses, seed), robot)
-        pool = self._rows(edge_and_inside(robot, _POOL, seed + 2), robot)
-        self._x, self._y = (np.concatenate(both) for both in zip(base, pool, strict=True))
-        self._n_base, self._kept = n_poses, np.zeros(len(self._x), dtype=bool)
-        self._kept[:n_poses] = True
+        self._robot, self._seed, self._n_base = robot, seed, n_poses
+        self._x, self._y = self._rows(robot.workspace(n_poses, seed))
 
-    def _rows(self, q: np.ndarray, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
-        return np.c_[self.scaling.x(q), np.ones(len(q))], self.scaling.y(robot.forces(q))
+    def _rows(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.c_[self.scaling.x(q), np.ones(len(q))], self.scaling.y(self._robot.forces(q))
 
     @property
     def poses(self) -> PoseRows:
-        return PoseRows(self._x[self._kept], self._y[self._kept], self.scaling.f_scale, self._n_base)
-
-    def every(self) -> PoseRows:
         return PoseRows(self._x, self._y, self.scaling.f_scale, self._n_base)
 
     def add_worst(self, weights: Weights, count: int = _WORST) -> None:
-        worst = np.abs(self.every().errors(weights)).max(axis=1)
-        self._kept[np.argsort(-worst)[:count]] = True
+        self._seed += 2  # that of the boundary is one more
+        x, y = self._rows(edge_and_inside(self._robot, _POOL, self._seed))
+        error = np.abs(PoseRows(x, y, self.scaling.f_scale, 0).errors(weights)).max(axis=1)
+        worst = np.argsort(-error)[:count]
+        self._x, self._y = np.concatenate([self._x, x[worst]]), np.concatenate([self._y, y[worst]])
 
     def settle(self, weights: Weights, cost: Cost, rounds: int) -> tuple[Weights, float]:
         for _ in range(rounds):
