@@ -18,7 +18,7 @@ SLOW = (
 
 FILTERED, UNFILTERED = "quad_decoder-filter_samples_g4", "quad_decoder-filter_samples_g0-speed_timeout_g20"
 
-WATCH, INDEX = next(name for name in BY_NAME if name.startswith("edge_watch")), "index_check-mark_clocks_g20"
+WATCH, INDEX = next(name for name in BY_NAME if name.startswith("edge_watch")), "index_check-mark_clocks_g4"
 ONE_SIGN = "pwm-clocks_g6-dead_g2-two_pins_gfalse"
 
 # claim, file, VHDL, fault, assertion that must break
@@ -29,11 +29,11 @@ PLANTED = [
      "dropped_pulse_is_reported"),
     ("glitch_filter-samples_g4", "gc_glitch_filter", "known <= '1';", "known <= known;", "long_level_always_passes"),
     ("glitch_filter-samples_g4", "gc_glitch_filter", "or in_valid = '0' then", "then", "reset_forgets_the_level"),
-    (UNFILTERED, "gc_quad_decoder", "count <= count + 1;", "count <= count + 2;",
+    (UNFILTERED, "gc_quad_decoder", "count <= count + signed(change_v);", "count <= count + 2;",
      "moves_by_at_most_one"),
     (UNFILTERED, "gc_quad_decoder", "level(0) xor level(1)", "level(0) or level(1)",
      "counts_every_edge"),
-    (UNFILTERED, "gc_quad_decoder", "direction <= '1';", "direction <= '0';",
+    (UNFILTERED, "gc_quad_decoder", "direction <= not change_v(1);", "direction <= '0';",
      "direction_is_that_of_the_edge"),
     (UNFILTERED, "gc_quad_decoder", "sts_illegal <= '1';", "sts_illegal <= not cfg_clear;",
      "illegal_edge_is_flagged"),
@@ -48,18 +48,18 @@ PLANTED = [
      "lost_counts_are_told"),
     (FILTERED, "gc_count_check", "if lead_v = four_c then", "if lead_v = four_c or lead_v = 3 then",
      "no_other_count_is_told_as_lost"),
-    (WATCH, "gc_edge_watch", "reserve_v := reserve_v - 1;", "null;", "slow_dither_is_never_a_fault"),
-    (WATCH, "gc_edge_watch", "reserve_v := reserve_v - 1;", "null;", "slow_edges_leave_no_reserve"),
-    (WATCH, "gc_edge_watch", "reserve_v := reserve_v + dither_clocks_g;", "reserve_v := dither_clocks_g;",
+    (WATCH, "gc_edge_watch", "reserve_v := reserve - 1;", "reserve_v := reserve;", "slow_dither_is_never_a_fault"),
+    (WATCH, "gc_edge_watch", "reserve_v := reserve - 1;", "reserve_v := reserve;", "slow_edges_leave_no_reserve"),
+    (WATCH, "gc_edge_watch", "reserve_v := reserve + dither_clocks_g - 1;", "reserve_v := dither_clocks_g;",
      "fast_edges_fill_the_reserve"),
-    (WATCH, "gc_edge_watch", "or reserve_v >= reserve_c", "or reserve_v > reserve_c", "reserve_is_below_its_end"),
+    (WATCH, "gc_edge_watch", "or reserve >= nearly_c", "or reserve > nearly_c", "reserve_is_below_its_end"),
     (WATCH, "gc_edge_watch", "edges <= edges_v;", "edges <= 0;", "suspicion_is_held"),
     (WATCH, "gc_edge_watch", "quick <= '1';", "quick <= '0';", "quick_is_held"),
     (WATCH, "gc_edge_watch", "clocks <= 1;", "clocks <= 0;", "clocks_are_those_since_the_step"),
     (WATCH, "gc_edge_watch", "known <= '1';", "known <= known;", "known_is_held"),
     (WATCH, "gc_edge_watch", "broken_v := '0';", "broken_v := quick;", "broken_only_at_an_edge_of_the_same_channel"),
     (WATCH, "gc_edge_watch", "suspect_v := '1';", "suspect_v := suspect;", "turn_on_the_spot_is_found"),
-    (WATCH, "gc_edge_watch", "reserve_v := reserve_v + dither_clocks_g;", "reserve_v := dither_clocks_g;",
+    (WATCH, "gc_edge_watch", "reserve_v := reserve + dither_clocks_g - 1;", "reserve_v := dither_clocks_g;",
      "fast_edges_are_found"),
     (INDEX, "gc_index_check", "near_2 = '0' or (pins_2(1) = '1' and at_2 = '0')", "near_2 = '0'",
      "mark_elsewhere_is_told"),

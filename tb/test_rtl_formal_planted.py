@@ -53,7 +53,7 @@ PLANTED = [
          "            next_c := '1';", "no_event_is_lost"),
     ]),
     ("safety", "gc_fault_latch", [
-        ("(left and not sts_fault) /= no_causes_c", "sts_fault = no_causes_c and left /= no_causes_c",
+        ("(in_fault and not sts_fault) /= no_causes_c", "sts_fault = no_causes_c and in_fault /= no_causes_c",
          "every_fault_that_comes_is_an_event"),
     ]),
     ("safety", "gc_brake_sequencer", [
@@ -80,7 +80,7 @@ PLANTED = [
     ]),
     ("safety", "gc_safety", [
         ("estop_known and not estop_level(0)", "estop_known and estop_level(0)", "emergency_stop_engages_the_brakes"),
-        ("limit_v := still_c;", "null;", "speed_is_held_against_every_limit"),
+        ("period_limit(i) <= still_c;", "null;", "speed_is_held_against_every_limit"),
         ("if in_illegal(i) = '1'", "if in_illegal(0) = '1'", "lost_counts_engage_the_brakes"),
         ("if in_referenced(i) = '0'", "if in_referenced(0) = '0'", "lost_reference_engages_the_brakes"),
         ("if in_astray(i) = '1'", "if in_astray(0) = '1'", "following_error_engages_the_brakes"),

@@ -11,7 +11,7 @@
 -- at the end of a pulse that comes and goes on both channels; if samples and levels agree before, or a level changes,
 -- or lead comes to four, counts are lost.
 -- Levels that change at once are left to gc_quad_decoder: lead starts anew.
--- Latency: 1 clock from in_sample, in_level to out_lost.
+-- Latency: 2 clocks from in_sample, in_level to out_lost.
 
 library ieee;
   use ieee.std_logic_1164.all;
@@ -49,6 +49,11 @@ architecture rtl of gc_count_check is
 
   signal sample_1 : unsigned(1 downto 0) := (others => '0');
   signal level_1  : unsigned(1 downto 0) := (others => '0');
+  -- steps of samples and of levels, and how far they are apart
+  signal sampled  : unsigned(1 downto 0) := (others => '0');
+  signal passed   : unsigned(1 downto 0) := (others => '0');
+  signal ahead    : unsigned(1 downto 0) := (others => '0');
+  signal valid_1  : std_ulogic := '0';
   signal lead     : signed(2 downto 0) := (others => '0');
   -- a and b changed at once, and have not changed back: two counts more or less than lead
   signal both     : std_ulogic := '0';
@@ -57,59 +62,56 @@ begin
 
   p_check : process (clk) is
 
-    variable sample_v  : unsigned(1 downto 0);
-    variable level_v   : unsigned(1 downto 0);
-    variable sampled_v : unsigned(1 downto 0);
-    variable passed_v  : unsigned(1 downto 0);
-    variable ahead_v   : unsigned(1 downto 0);
-    variable lead_v    : signed(2 downto 0);
-    variable both_v    : std_ulogic;
-    variable lost_v    : std_ulogic;
+    variable lead_v : signed(2 downto 0);
+    variable both_v : std_ulogic;
+    variable lost_v : std_ulogic;
 
   begin
 
     if rising_edge(clk) then
-      sample_v := phase_of(in_sample);
-      level_v := phase_of(in_level);
-      sampled_v := sample_v - sample_1;
-      passed_v := level_v - level_1;
-      ahead_v := sample_v - level_v;
+      -- stage 1: what changed
+      sample_1 <= phase_of(in_sample);
+      level_1 <= phase_of(in_level);
+      sampled <= phase_of(in_sample) - sample_1;
+      passed <= phase_of(in_level) - level_1;
+      ahead <= phase_of(in_sample) - phase_of(in_level);
+      valid_1 <= in_valid;
+
+      -- stage 2: what that adds up to
       lead_v := lead;
       both_v := both;
       lost_v := '0';
 
-      if sampled_v = 1 then
+      if sampled = 1 then
         lead_v := lead_v + 1;
-      elsif sampled_v = 3 then
+      elsif sampled = 3 then
         lead_v := lead_v - 1;
-      elsif sampled_v = 2 then
+      elsif sampled = 2 then
         both_v := not both_v;
       end if;
-      if passed_v = 1 then
+      if passed = 1 then
         lead_v := lead_v - 1;
-      elsif passed_v = 3 then
+      elsif passed = 3 then
         lead_v := lead_v + 1;
       end if;
 
       if lead_v = four_c then
         lost_v := '1';
-      elsif both_v = '1' and (ahead_v = 0 or passed_v /= 0) then
+      elsif both_v = '1' and (ahead = 0 or passed /= 0) then
         lost_v := '1';
       end if;
-      if passed_v = 2 or in_valid = '0' then
+      if passed = 2 or valid_1 = '0' then
         lost_v := '0';
       end if;
 
-      if lost_v = '1' or passed_v = 2 or in_valid = '0' then
+      if lost_v = '1' or passed = 2 or valid_1 = '0' then
         both_v := '0';
-        lead_v := signed('0' & ahead_v);
-        if ahead_v = 3 then
+        lead_v := signed('0' & ahead);
+        if ahead = 3 then
           lead_v := to_signed(-1, 3);
         end if;
       end if;
 
-      sample_1 <= sample_v;
-      level_1 <= level_v;
       lead <= lead_v;
       both <= both_v;
       out_lost <= lost_v;

@@ -45,6 +45,8 @@ architecture rtl of gc_edge_watch is
 
   constant soon_c    : positive := 2 * reversal_clocks_g;
   constant reserve_c : positive := dither_edges_g * dither_clocks_g;
+  -- what the reserve holds at least when the next edge of the same channel fills it
+  constant nearly_c  : positive := reserve_c - dither_clocks_g + 1;
 
   -- there was a step, and its direction
   signal known   : std_ulogic := '0';
@@ -55,7 +57,8 @@ architecture rtl of gc_edge_watch is
   signal quick   : std_ulogic := '0';
   signal suspect : std_ulogic := '0';
   signal edges   : natural range 0 to suspect_edges_g := 0;
-  signal reserve : natural range 0 to reserve_c := 0;
+  -- once full it only falls, till there is a step again
+  signal reserve : natural range 0 to reserve_c + dither_clocks_g := 0;
 
 begin
 
@@ -75,14 +78,14 @@ begin
     if rising_edge(clk) then
       suspect_v := suspect;
       edges_v := edges;
-      reserve_v := reserve;
+      reserve_v := 0;
       broken_v := '0';
 
       if clocks /= soon_c then
         clocks <= clocks + 1;
       end if;
-      if reserve_v /= 0 then
-        reserve_v := reserve_v - 1;
+      if reserve /= 0 then
+        reserve_v := reserve - 1;
       end if;
 
       if step_valid = '1' then
@@ -102,21 +105,22 @@ begin
             suspect_v := '1';
           end if;
           if suspect_v = '1' then
-            edges_v := edges_v + 1;
+            edges_v := edges + 1;
           end if;
-          reserve_v := reserve_v + dither_clocks_g;
-          if edges_v = suspect_edges_g or reserve_v >= reserve_c then
+          -- not after the subtraction and its test, but beside them: this is the longest path here
+          reserve_v := reserve + dither_clocks_g - 1;
+          if reserve = 0 then
+            reserve_v := dither_clocks_g;
+          end if;
+          if (suspect_v = '1' and edges = suspect_edges_g - 1) or reserve >= nearly_c then
             broken_v := '1';
           end if;
         end if;
       end if;
 
+      -- the first step that is known again clears all else
       if broken_v = '1' or step_illegal = '1' then
         known <= '0';
-        quick <= '0';
-        suspect_v := '0';
-        edges_v := 0;
-        reserve_v := 0;
       end if;
 
       suspect <= suspect_v;
@@ -126,10 +130,6 @@ begin
 
       if rst = '1' then
         known <= '0';
-        quick <= '0';
-        suspect <= '0';
-        edges <= 0;
-        reserve <= 0;
         out_broken <= '0';
       end if;
     end if;

@@ -2,15 +2,16 @@
 --
 -- Compares the count with every index mark that a referenced axis passes: counts that were lost show there.
 --
---   residue = (count - index position) modulo cfg_index_period, kept by counting; 0 at a mark
+--   residue = (count - index position) modulo cfg_index_period; 0 at a mark
+--   rest    = cfg_index_period - 1 - residue                     both kept by counting: nothing wide is compared
 --
 -- Lost, out_lost for one clock:
 -- - z = '1' in the index phase where residue is not 0;
 -- - z = '1' more than one encoder cycle, 4 counts, away from residue 0, whatever the phase: with a wire of a or b broken
 --   the index phase may never come;
 -- - residue 0 and the index phase left, after mark_clocks_g clocks in them or more, without z = '1': a mark is missing.
--- cfg_index_period = 0: one mark; the period is 2**32. Else it must be a multiple of 4, and is to stay as it is while
--- in_referenced is high.
+-- cfg_index_period = 0: one mark; the period is 2**32. Else it must be a multiple of 4, and is to stay as it is from a
+-- clock before in_home on while in_referenced is high.
 -- A level of z that lasts for a whole count and passes its filter counts as a mark: z must be pulled down.
 -- Latency: 3 clocks from count to out_lost.
 
@@ -48,6 +49,7 @@ architecture rtl of gc_index_check is
   -- highest residue
   signal last    : unsigned(31 downto 0) := (others => '1');
   signal residue : unsigned(31 downto 0) := (others => '0');
+  signal rest    : unsigned(31 downto 0) := (others => '1');
 
   -- bits referenced, phase, z
   signal pins_1 : std_ulogic_vector(2 downto 0) := (others => '0');
@@ -62,24 +64,27 @@ architecture rtl of gc_index_check is
 begin
 
   p_check : process (clk) is
+
+    variable step_v : signed(1 downto 0);
+
   begin
 
     if rising_edge(clk) then
-      -- stage 1: residue of the count
+      -- stage 1: residue of the count; a step up is 1, one down -1
       last <= cfg_index_period - 1;
       pins_1 <= in_referenced & in_phase & in_z;
-      if in_home = '1' then
-        residue <= (others => '0');
-      elsif step_valid = '1' and step_up = '1' then
-        residue <= residue + 1;
-        if residue = last then
-          residue <= (others => '0');
-        end if;
-      elsif step_valid = '1' then
-        residue <= residue - 1;
-        if residue = 0 then
+      step_v := not step_up & '1';
+      if step_valid = '1' then
+        residue <= unsigned(signed(residue) + step_v);
+        rest <= unsigned(signed(rest) - step_v);
+        if step_up = '0' and residue = 0 then
           residue <= last;
+          rest <= (others => '0');
         end if;
+      end if;
+      if in_home = '1' or (step_valid = '1' and step_up = '1' and rest = 0) then
+        residue <= (others => '0');
+        rest <= last;
       end if;
 
       -- stage 2: how far that is from a mark
@@ -89,7 +94,7 @@ begin
       if residue = 0 then
         at_2 <= '1';
       end if;
-      if residue <= cycle_c or last - residue < cycle_c then
+      if residue <= cycle_c or rest < cycle_c then
         near_2 <= '1';
       end if;
 

@@ -13,7 +13,7 @@
 -- the same two: 2 counts per max(filter_samples_g, 2) clocks. Pins asynchronous to clk: leave one clock more.
 -- Lost counts set sts_illegal, and sts_referenced falls, until the next homing:
 -- - a and b, as filtered, change at once; in the clock in which count would have changed, and count stays;
--- - the filter dropped levels that were counts, as beyond the limit speed: exact, see gc_count_check; 1 clock after
+-- - the filter dropped levels that were counts, as beyond the limit speed: exact, see gc_count_check; 2 clocks after
 --   the count that is wrong. sts_glitch alone: what was dropped was no count;
 -- - a mark of the index in the wrong place, or missing: see gc_index_check; 4 clocks after the count;
 -- - edges of one channel only, as a broken wire makes them: see gc_edge_watch; 2 clocks after the last of them;
@@ -184,14 +184,10 @@ begin
 
       change_v := phase - phase_1;
       if count_valid = '1' then
-        -- no `case` over all values: GHDL 2.0.0 makes latches of it in Verilog
-        if change_v = 1 then
-          count <= count + 1;
-          direction <= '1';
-          step_valid <= '1';
-        elsif change_v = 3 then
-          count <= count - 1;
-          direction <= '0';
+        -- 1, or 3, which is -1: one adder for both
+        if change_v(0) = '1' then
+          count <= count + signed(change_v);
+          direction <= not change_v(1);
           step_valid <= '1';
         elsif change_v = 2 then
           step_illegal <= '1';

@@ -50,7 +50,7 @@ architecture rtl of gc_fault_latch is
 begin
 
   left <= (sts_fault and not in_clear) or in_fault when rst = '0' else no_causes_c;
-  is_first <= '1' when sts_fault = no_causes_c and left /= no_causes_c else '0';
+  is_first <= '1' when sts_fault = no_causes_c and in_fault /= no_causes_c else '0';
   next_first <= no_causes_c when left = no_causes_c else
                 in_fault when is_first = '1' else
                 first_cause;
@@ -65,7 +65,7 @@ begin
       sts_fault <= left;
       first_cause <= next_first;
       first_count <= next_count;
-      if (left and not sts_fault) /= no_causes_c then
+      if (in_fault and not sts_fault) /= no_causes_c then
         events <= events + 1;
       end if;
       if rst = '1' then

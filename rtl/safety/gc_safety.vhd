@@ -76,7 +76,7 @@ entity gc_safety is
     cfg_count_low         : in    signed(axes_c * count_bits_c - 1 downto 0);
     cfg_count_high        : in    signed(axes_c * count_bits_c - 1 downto 0);
     -- Fewest clocks per 4 counts that are no fault, at least period_shortest_g + 1; 0: none but standstill. Axis 1
-    -- lowest.
+    -- lowest. A period is compared with the one of two clocks before.
     cfg_period_min        : in    unsigned(axes_c * 31 - 1 downto 0);
     -- Longest time that is no fault: saturated or clamped, without a kick, without a result; clocks.
     cfg_saturation_clocks : in    unsigned(31 downto 0);
@@ -127,7 +127,8 @@ architecture rtl of gc_safety is
   signal command_1     : std_ulogic;
   signal not_holding   : std_ulogic;
   signal hold_1        : std_ulogic;
-  -- The longest period that is too short, up or down.
+  -- The shortest period that is long enough; the longest one that is not, up or down.
+  signal period_limit  : periods_t := (others => still_c);
   signal period_most   : periods_t := (others => still_c - 1);
   signal flags_1       : causes_t := no_causes_c;
   signal count_1       : signed(axes_c * count_bits_c - 1 downto 0) := (others => '0');
@@ -237,7 +238,6 @@ begin
     variable high_v   : signed(count_bits_c - 1 downto 0);
     variable period_v : signed(31 downto 0);
     variable least_v  : unsigned(30 downto 0);
-    variable limit_v  : signed(31 downto 0);
 
   begin
 
@@ -260,13 +260,13 @@ begin
         period_v := in_period((i + 1) * 32 - 1 downto i * 32);
         least_v := cfg_period_min((i + 1) * 31 - 1 downto i * 31);
 
-        limit_v := signed('0' & least_v);
+        period_limit(i) <= signed('0' & least_v);
         if least_v = 0 then
-          limit_v := still_c;
+          period_limit(i) <= still_c;
         elsif least_v <= period_shortest_g then
-          limit_v := to_signed(period_shortest_g + 1, 32);
+          period_limit(i) <= to_signed(period_shortest_g + 1, 32);
         end if;
-        period_most(i) <= limit_v - 1;
+        period_most(i) <= period_limit(i) - 1;
 
         if in_illegal(i) = '1' then
           flags_1(cause_encoder_c) <= '1';

@@ -24,7 +24,7 @@ module edge_watch #(
   localparam CLOCKS_BITS = $clog2(2 * REVERSAL_CLOCKS + 1);
   localparam EDGES_BITS = $clog2(SUSPECT_EDGES + 1);
   localparam RESERVE = DITHER_EDGES * DITHER_CLOCKS;
-  localparam RESERVE_BITS = $clog2(RESERVE + 1);
+  localparam RESERVE_BITS = $clog2(RESERVE + DITHER_CLOCKS + 1);
 
   (* hierconn *) wire \dut.known ;
   (* hierconn *) wire \dut.up_1 ;
@@ -76,16 +76,18 @@ module edge_watch #(
     turn_on_the_spot_is_found : assert (after < SUSPECT_EDGES || broken);
     fast_edges_are_found : assert (fast < 2 * RESERVE || broken);
 
-    // A broken wire that is told has cleared all registers, but the checker forgets a clock later.
+    // A broken wire that is told is forgotten, but the checker forgets a clock later. Unless a step is known, the others
+    // hold anything.
     known_is_held : assert (\dut.known == (known && !broken) && (!\dut.known || \dut.up_1 == up_1));
     a_step_was_a_clock_ago_at_least : assert (!known || since != 0);
     edges_are_counted_from_a_turn : assert (spot || after == 0);
     fast_edges_follow_a_step : assert (known || fast == 0);
     clocks_are_those_since_the_step : assert (\dut.clocks == (since < 2 * REVERSAL_CLOCKS ? since : 2 * REVERSAL_CLOCKS));
-    quick_is_held : assert (\dut.quick == (before < REVERSAL_CLOCKS));
-    suspicion_is_held : assert (\dut.suspect == (spot && !broken) && \dut.edges == (broken ? 0 : after));
-    reserve_is_below_its_end : assert (\dut.reserve < RESERVE);
-    slow_edges_leave_no_reserve : assert (broken || early || \dut.reserve == 0 || \dut.reserve + since <= DITHER_CLOCKS + 1);
+    quick_is_held : assert (!\dut.known || \dut.quick == (before < REVERSAL_CLOCKS));
+    suspicion_is_held : assert (!\dut.known || \dut.suspect == spot && \dut.edges == after);
+    reserve_is_below_its_end : assert (!\dut.known || \dut.reserve < RESERVE);
+    reserve_never_wraps : assert (\dut.reserve < RESERVE + DITHER_CLOCKS);
+    slow_edges_leave_no_reserve : assert (!\dut.known || early || \dut.reserve == 0 || \dut.reserve + since <= DITHER_CLOCKS + 1);
     fast_edges_fill_the_reserve : assert (broken || fast == 0 || (fast >> 1) <= \dut.reserve + since - 1);
   end
 

@@ -1,4 +1,5 @@
-// Claims of gc_index_check, for every walk, every mark and every period. MARK_CLOCKS: mark_clocks_g.
+// Claims of gc_index_check, for every walk, every mark and every period that stays, once there was a homing. MARK_CLOCKS:
+// mark_clocks_g. What the registers hold is said too: then the assertions are inductive together.
 module index_check #(
     parameter MARK_CLOCKS = 20
 ) (
@@ -7,13 +8,21 @@ module index_check #(
     input step_valid,
     input step_up,
     input in_home,
-    input in_referenced,
+    input any_referenced,
     input in_phase,
-    input in_z,
-    input [31:0] cfg_index_period
+    input in_z
 );
 
   wire lost;
+  (* anyconst *) reg [31:0] cfg_index_period;
+  (* hierconn *) wire [31:0] \dut.last , \dut.residue , \dut.rest ;
+  (* hierconn *) wire [2:0] \dut.pins_1 , \dut.pins_2 ;
+  (* hierconn *) wire \dut.at_2 , \dut.near_2 , \dut.seen ;
+  (* hierconn *) wire [$clog2(MARK_CLOCKS + 1)-1:0] \dut.stay ;
+
+  // The period is known a clock before a homing, and the count refers to the index after one.
+  reg started = 0, homed = 0;
+  wire in_referenced = any_referenced && homed;
 
   gc_index_check dut (
       .clk(clk), .rst(rst), .step_valid(step_valid), .step_up(step_up), .in_home(in_home),
@@ -32,10 +41,11 @@ module index_check #(
   reg elsewhere = 0, far = 0, missing = 0;
 
   wire [31:0] up = behind + 1;
-  // 0 only where the period was made shorter than that.
   wire [31:0] ahead = period_1 - behind;
 
   always @(posedge clk) begin
+    started <= 1;
+    homed <= homed || started && in_home;
     period_1 <= cfg_index_period;
     referenced_1 <= in_referenced;
     phase_1 <= in_phase;
@@ -61,6 +71,16 @@ module index_check #(
     mark_far_away_is_told : assert (!far || lost);
     missing_mark_is_told : assert (!missing || lost);
     nothing_else_is_told : assert (!lost || elsewhere || far || missing);
+
+    period_is_taken : assert (!started || period_1 == cfg_index_period && \dut.last == cfg_index_period - 1);
+    reference_follows_a_homing : assert ((!referenced_2 && !referenced_1 || homed) && (!homed || started));
+    both_are_counted : assert (!homed || \dut.residue == behind && \dut.rest == ahead - 1);
+    pins_are_those :
+      assert (\dut.pins_1 == {referenced_1, phase_1, z_1} && \dut.pins_2 [2] == referenced_2 && \dut.pins_2 [0] == z_2);
+    place_is_that :
+      assert (!referenced_2 || at_mark_2 == (\dut.pins_2 [1] && \dut.at_2 )
+              && elsewhere_2 == (\dut.pins_2 [1] && !\dut.at_2 ) && far_2 == !\dut.near_2 );
+    stay_is_counted : assert (\dut.stay == (stay < MARK_CLOCKS ? stay : MARK_CLOCKS) && \dut.seen == seen);
   end
 
 endmodule

@@ -69,7 +69,7 @@ module quad_decoder #(
 
   // From start on: counts of the samples less those of the levels, whether samples changed at once and not back, and
   // whether that became lost counts; whether anything was told.
-  reg watched = 0, both = 0, lost = 0, lost_1 = 0, lost_2 = 0, watched_1 = 0, told = 0;
+  reg watched = 0, both = 0, lost = 0, lost_1 = 0, lost_2 = 0, watched_1 = 0, watched_2 = 0, told = 0;
   reg [5:0] ahead = 0;
   wire agree = sample == level;
   wire [5:0] ahead_now = ahead + counts(sampled) - counts(passed);
@@ -111,10 +111,12 @@ module quad_decoder #(
 
     watched <= !rst && count_valid && (watched || start && agree);
     watched_1 <= watched && !restart;
+    watched_2 <= watched_1 && !restart;
     ahead <= restart ? 0 : ahead_now;
     both <= both_now && !restart;
     lost <= lost_now && !restart;
     lost_1 <= lost && !restart;
+    lost_2 <= lost_1 && !restart;
     told <= (told || illegal) && !restart;
 
     enable_1 <= cfg_home_enable && !rst;
@@ -146,8 +148,8 @@ module quad_decoder #(
       homing_sets_the_index_position : assert (!homed || count == index_position_1);
       homing_has_seen_a_low_index : assert (!homed || low_1);
     end
-    lost_counts_are_told : assert (!lost_1 || told || illegal);
-    no_other_count_is_told_as_lost : assert (!\dut.lost_cycle || !watched_1 || lost);
+    lost_counts_are_told : assert (!lost_2 || told || illegal);
+    no_other_count_is_told_as_lost : assert (!\dut.lost_cycle || !watched_2 || lost_1);
     if (seen && rst_1) begin
       reset_clears : assert ({count_valid, count, direction, referenced, illegal, glitch, speed_valid, speed_zero} == 0);
       reset_forgets_the_speed : assert (speed_period == 32'h7fff_ffff);

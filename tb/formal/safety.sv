@@ -78,15 +78,16 @@ module safety #(
   genvar i;
   generate
     for (i = 0; i < 3; i = i + 1) begin : g_speed
-      reg signed [31:0] limit_1 = 32'h7fff_ffff, floor_1 = -32'h7fff_ffff;
+      reg signed [31:0] limit_1 = 32'h7fff_ffff, limit_2 = 32'h7fff_ffff, floor_2 = -32'h7fff_ffff;
       wire [30:0] least = cfg_period_min[31*i+:31];
       wire signed [31:0] limit = least == 0 ? 32'h7fff_ffff : least <= 8 ? 9 : least;
       wire signed [31:0] period = in_period[32*i+:32];
 
       always @(posedge clk) begin
         limit_1 <= limit;
-        floor_1 <= -limit;
-        speeding_1[i] <= !rst && period > floor_1 && period < limit_1;
+        limit_2 <= limit_1;
+        floor_2 <= -limit_1;
+        speeding_1[i] <= !rst && period > floor_2 && period < limit_2;
       end
     end
   endgenerate

@@ -99,16 +99,18 @@ def phase_of(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def count_check(rst: np.ndarray, in_valid: np.ndarray, sample: np.ndarray, level: np.ndarray) -> np.ndarray:
     """gc_count_check: out_lost, from phases instead of levels."""
     out = np.zeros(len(rst), np.int64)
-    sampled = np.diff(sample, prepend=0) % 4
-    passed = np.diff(level, prepend=0) % 4
-    ahead = (sample - level) % 4
+    # Each a clock later.
+    sampled = np.diff(sample[:-1], prepend=[0, 0]) % 4
+    passed = np.diff(level[:-1], prepend=[0, 0]) % 4
+    ahead = np.concatenate(([0], (sample - level)[:-1] % 4))
+    valid = np.concatenate(([0], in_valid[:-1]))
     signed = (0, 1, 2, -1)
     lead, both = 0, 0
     for k in range(len(rst) - 1):
         both ^= int(sampled[k] == 2)
         lead += signed[sampled[k]] * (sampled[k] != 2) - signed[passed[k]]
         lead = (lead + 4) % 8 - 4
-        starts = not in_valid[k] or passed[k] == 2
+        starts = not valid[k] or passed[k] == 2
         wrong = lead == -4 or (both and (ahead[k] == 0 or passed[k]))
         if starts or wrong:
             lead, both = signed[ahead[k]], 0
@@ -159,7 +161,7 @@ class IndexCheck:
     def __init__(self, mark_clocks: int):
         self.mark_clocks = mark_clocks
         self.out_lost = 0
-        self.last, self.residue = 2**32 - 1, 0
+        self.last, self.residue, self.rest = 2**32 - 1, 0, 2**32 - 1
         self.pins_1 = self.pins_2 = (0, 0, 0)
         self.at_2 = self.near_2 = 0
         self.stay = self.seen = 0
@@ -176,13 +178,13 @@ class IndexCheck:
         if rst or not referenced:
             self.out_lost = self.stay = self.seen = 0
         self.pins_2, self.at_2 = self.pins_1, int(self.residue == 0)
-        self.near_2 = int(self.residue <= 4 or (self.last - self.residue) % 2**32 < 4)
-        if home:
-            self.residue = 0
-        elif step > 0:
-            self.residue = 0 if self.residue == self.last else (self.residue + 1) % 2**32
-        elif step < 0:
-            self.residue = self.last if self.residue == 0 else self.residue - 1
+        self.near_2 = int(self.residue <= 4 or self.rest < 4)
+        if home or (step > 0 and self.rest == 0):
+            self.residue, self.rest = 0, self.last
+        elif step < 0 and self.residue == 0:
+            self.residue, self.rest = self.last, 0
+        else:
+            self.residue, self.rest = (self.residue + step) % 2**32, (self.rest - step) % 2**32
         self.pins_1, self.last = pins, (period - 1) % 2**32
 
 

@@ -120,7 +120,7 @@ def _present(inputs: Mapping[str, np.ndarray], period_shortest: int) -> np.ndarr
     """All causes but the emergency stop and those of the load, one clock after they are at the inputs."""
     rst = inputs["rst"] != 0
     count, period = inputs["in_count"], inputs["in_period"]
-    period_min = np.concatenate((np.zeros_like(period[:1]), inputs["cfg_period_min"][:-1]))
+    period_min = np.concatenate((np.zeros_like(period[:2]), inputs["cfg_period_min"][:-2]))
     limit = np.where(period_min == 0, NO_PERIOD, np.maximum(period_min, period_shortest + 1))
     low, high = inputs["cfg_count_low"], inputs["cfg_count_high"]
     flags = (
@@ -157,7 +157,7 @@ class FaultLatch:
         if rst:
             self.__init__()
             return
-        self.events = (self.events + ((self.causes & ~clear | fault) & ~self.causes != 0)) % 256
+        self.events = (self.events + (fault & ~self.causes != 0)) % 256
         if not self.causes and fault:
             self.first_cause, self.first_count = fault, count
         self.causes = self.causes & ~clear | fault
