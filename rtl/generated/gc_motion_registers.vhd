@@ -537,9 +537,9 @@ begin
     end process;
 
     process(all) begin
-        s_axil_arready <= not axil_arvalid or axil_ar_accept;
-        s_axil_awready <= not axil_awvalid or axil_aw_accept;
-        s_axil_wready <= not axil_wvalid or axil_aw_accept;
+        s_axil_arready <= not axil_arvalid;
+        s_axil_awready <= not axil_awvalid;
+        s_axil_wready <= not axil_wvalid;
     end process;
 
     -- Request dispatch
@@ -678,99 +678,101 @@ begin
     begin
         is_valid_addr := '0';
         is_valid_rw := '0';
-        decoded_reg_strb.move_ticks <= cpuif_req_masked and (cpuif_addr = 16#800#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#800#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#800#));
-        decoded_reg_strb.servo_filter <= cpuif_req_masked and (cpuif_addr = 16#804#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#804#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#804#));
-        decoded_reg_strb.record_control <= cpuif_req_masked and (cpuif_addr = 16#808#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#808#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#808#));
-        decoded_reg_strb.record_before <= cpuif_req_masked and (cpuif_addr = 16#80C#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#80C#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#80C#));
-        decoded_reg_strb.record_taken <= cpuif_req_masked and (cpuif_addr = 16#810#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#810#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#810#));
+        decoded_reg_strb.move_ticks <= decoded_req and (decoded_addr = 16#800#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#800#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#800#));
+        decoded_reg_strb.servo_filter <= decoded_req and (decoded_addr = 16#804#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#804#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#804#));
+        decoded_reg_strb.record_control <= decoded_req and (decoded_addr = 16#808#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#808#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#808#));
+        decoded_reg_strb.record_before <= decoded_req and (decoded_addr = 16#80C#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#80C#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#80C#));
+        decoded_reg_strb.record_taken <= decoded_req and (decoded_addr = 16#810#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#810#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#810#));
         for i0 in 0 to 2 loop
-            decoded_reg_strb.move_target(i0) <= cpuif_req_masked and (cpuif_addr = 16#820# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#820# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#820# + i0*16#4#));
+            decoded_reg_strb.move_target(i0) <= decoded_req and (decoded_addr = 16#820# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#820# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#820# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.speed_max(i0) <= cpuif_req_masked and (cpuif_addr = 16#840# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#840# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#840# + i0*16#4#));
+            decoded_reg_strb.speed_max(i0) <= decoded_req and (decoded_addr = 16#840# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#840# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#840# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.acceleration_max(i0) <= cpuif_req_masked and (cpuif_addr = 16#860# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#860# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#860# + i0*16#4#));
+            decoded_reg_strb.acceleration_max(i0) <= decoded_req and (decoded_addr = 16#860# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#860# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#860# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.servo_proportional(i0) <= cpuif_req_masked and (cpuif_addr = 16#880# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#880# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#880# + i0*16#4#));
+            decoded_reg_strb.servo_proportional(i0) <= decoded_req and (decoded_addr = 16#880# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#880# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#880# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.servo_integral(i0) <= cpuif_req_masked and (cpuif_addr = 16#8A0# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#8A0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#8A0# + i0*16#4#));
+            decoded_reg_strb.servo_integral(i0) <= decoded_req and (decoded_addr = 16#8A0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#8A0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#8A0# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.servo_derivative(i0) <= cpuif_req_masked and (cpuif_addr = 16#8C0# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#8C0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#8C0# + i0*16#4#));
+            decoded_reg_strb.servo_derivative(i0) <= decoded_req and (decoded_addr = 16#8C0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#8C0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#8C0# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.servo_limit_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#8E0# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#8E0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#8E0# + i0*16#4#));
+            decoded_reg_strb.servo_limit_ua(i0) <= decoded_req and (decoded_addr = 16#8E0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#8E0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#8E0# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.following_max(i0) <= cpuif_req_masked and (cpuif_addr = 16#900# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#900# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#900# + i0*16#4#));
+            decoded_reg_strb.following_max(i0) <= decoded_req and (decoded_addr = 16#900# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#900# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#900# + i0*16#4#));
         end loop;
-        decoded_reg_strb.motion_status <= cpuif_req_masked and (cpuif_addr = 16#A00#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A00#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A00#) and not cpuif_req_is_wr);
-        decoded_reg_strb.motion_command <= cpuif_req_masked and (cpuif_addr = 16#A04#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A04#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A04#) and cpuif_req_is_wr);
+        decoded_reg_strb.motion_status <= decoded_req and (decoded_addr = 16#A00#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#A00#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#A00#) and not decoded_req_is_wr);
+        decoded_reg_strb.motion_command <= decoded_req and (decoded_addr = 16#A04#) and decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#A04#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#A04#) and decoded_req_is_wr);
         for i0 in 0 to 2 loop
-            decoded_reg_strb.setpoint(i0) <= cpuif_req_masked and (cpuif_addr = 16#A20# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A20# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A20# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.setpoint(i0) <= decoded_req and (decoded_addr = 16#A20# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#A20# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#A20# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.correction_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#A40# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A40# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A40# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.correction_ua(i0) <= decoded_req and (decoded_addr = 16#A40# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#A40# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#A40# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
-        decoded_reg_strb.record_status <= cpuif_req_masked and (cpuif_addr = 16#A80#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A80#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A80#) and not cpuif_req_is_wr);
-        decoded_reg_strb.record_count <= cpuif_req_masked and (cpuif_addr = 16#A84#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A84#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A84#) and not cpuif_req_is_wr);
-        decoded_reg_strb.record_lost <= cpuif_req_masked and (cpuif_addr = 16#A88#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#A88#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#A88#) and not cpuif_req_is_wr);
-        decoded_reg_strb.record_word <= cpuif_req_masked and (cpuif_addr = 16#B00#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#B00#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#B00#) and not cpuif_req_is_wr);
+        decoded_reg_strb.record_status <= decoded_req and (decoded_addr = 16#A80#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#A80#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#A80#) and not decoded_req_is_wr);
+        decoded_reg_strb.record_count <= decoded_req and (decoded_addr = 16#A84#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#A84#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#A84#) and not decoded_req_is_wr);
+        decoded_reg_strb.record_lost <= decoded_req and (decoded_addr = 16#A88#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#A88#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#A88#) and not decoded_req_is_wr);
+        decoded_reg_strb.record_word <= decoded_req and (decoded_addr = 16#B00#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#B00#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#B00#) and not decoded_req_is_wr);
         decoded_err <= (not is_valid_addr or (is_valid_addr and not is_valid_rw)) and decoded_req;
     end process;
 
     -- Pass down signals to next stage
-    process(all) begin
-        decoded_addr <= cpuif_addr;
-        decoded_req <= cpuif_req_masked;
-        decoded_req_is_wr <= cpuif_req_is_wr;
-        decoded_wr_data <= cpuif_wr_data;
-        decoded_wr_biten <= cpuif_wr_biten;
+    process(clk) begin
+        if rising_edge(clk) then
+            decoded_addr <= cpuif_addr;
+            decoded_req <= cpuif_req_masked and not rst;
+            decoded_req_is_wr <= cpuif_req_is_wr;
+            decoded_wr_data <= cpuif_wr_data;
+            decoded_wr_biten <= cpuif_wr_biten;
+        end if;
     end process;
 
     ----------------------------------------------------------------------------
@@ -1322,17 +1324,13 @@ begin
     ----------------------------------------------------------------------------
     process(clk) begin
         if rising_edge(clk) then
-            if rst then
-                read_select <= (0 => '1', others => '0');
-            elsif s_axil_arvalid and s_axil_arready then
-                for i in read_select'range loop
-                    if unsigned(s_axil_araddr(11 downto 2)) = i then
-                        read_select(i) <= '1';
-                    else
-                        read_select(i) <= '0';
-                    end if;
-                end loop;
-            end if;
+            for i in read_select'range loop
+                if unsigned(axil_araddr(11 downto 2)) = i then
+                    read_select(i) <= '1';
+                else
+                    read_select(i) <= '0';
+                end if;
+            end loop;
         end if;
     end process;
 

@@ -973,9 +973,9 @@ begin
     end process;
 
     process(all) begin
-        s_axil_arready <= not axil_arvalid or axil_ar_accept;
-        s_axil_awready <= not axil_awvalid or axil_aw_accept;
-        s_axil_wready <= not axil_wvalid or axil_aw_accept;
+        s_axil_arready <= not axil_arvalid;
+        s_axil_awready <= not axil_awvalid;
+        s_axil_wready <= not axil_wvalid;
     end process;
 
     -- Request dispatch
@@ -1114,219 +1114,221 @@ begin
     begin
         is_valid_addr := '0';
         is_valid_rw := '0';
-        decoded_reg_strb.id <= cpuif_req_masked and (cpuif_addr = 16#0#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#0#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#0#) and not cpuif_req_is_wr);
-        decoded_reg_strb.version <= cpuif_req_masked and (cpuif_addr = 16#4#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#4#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#4#) and not cpuif_req_is_wr);
-        decoded_reg_strb.geometry <= cpuif_req_masked and (cpuif_addr = 16#8#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#8#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#8#) and not cpuif_req_is_wr);
-        decoded_reg_strb.clock_hz <= cpuif_req_masked and (cpuif_addr = 16#C#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#C#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#C#) and not cpuif_req_is_wr);
+        decoded_reg_strb.id <= decoded_req and (decoded_addr = 16#0#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#0#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#0#) and not decoded_req_is_wr);
+        decoded_reg_strb.version <= decoded_req and (decoded_addr = 16#4#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#4#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#4#) and not decoded_req_is_wr);
+        decoded_reg_strb.geometry <= decoded_req and (decoded_addr = 16#8#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#8#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#8#) and not decoded_req_is_wr);
+        decoded_reg_strb.clock_hz <= decoded_req and (decoded_addr = 16#C#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#C#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#C#) and not decoded_req_is_wr);
         for i0 in 0 to 7 loop
-            decoded_reg_strb.weights_hash(i0) <= cpuif_req_masked and (cpuif_addr = 16#10# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#10# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#10# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.weights_hash(i0) <= decoded_req and (decoded_addr = 16#10# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#10# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#10# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
         for i0 in 0 to 7 loop
-            decoded_reg_strb.compensation_hash(i0) <= cpuif_req_masked and (cpuif_addr = 16#30# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#30# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#30# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.compensation_hash(i0) <= decoded_req and (decoded_addr = 16#30# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#30# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#30# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
-        decoded_reg_strb.encoder_geometry <= cpuif_req_masked and (cpuif_addr = 16#50#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#50#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#50#) and not cpuif_req_is_wr);
+        decoded_reg_strb.encoder_geometry <= decoded_req and (decoded_addr = 16#50#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#50#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#50#) and not decoded_req_is_wr);
         for i0 in 0 to 2 loop
-            decoded_reg_strb.trained_low(i0) <= cpuif_req_masked and (cpuif_addr = 16#60# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#60# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#60# + i0*16#4#) and not cpuif_req_is_wr);
-        end loop;
-        for i0 in 0 to 2 loop
-            decoded_reg_strb.trained_high(i0) <= cpuif_req_masked and (cpuif_addr = 16#80# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#80# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#80# + i0*16#4#) and not cpuif_req_is_wr);
-        end loop;
-        decoded_reg_strb.control <= cpuif_req_masked and (cpuif_addr = 16#200#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#200#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#200#));
-        decoded_reg_strb.command <= cpuif_req_masked and (cpuif_addr = 16#204#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#204#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#204#) and cpuif_req_is_wr);
-        decoded_reg_strb.tick_clocks <= cpuif_req_masked and (cpuif_addr = 16#208#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#208#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#208#));
-        decoded_reg_strb.expected_weights <= cpuif_req_masked and (cpuif_addr = 16#20C#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#20C#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#20C#));
-        decoded_reg_strb.saturation_clocks <= cpuif_req_masked and (cpuif_addr = 16#210#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#210#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#210#));
-        decoded_reg_strb.watchdog_clocks <= cpuif_req_masked and (cpuif_addr = 16#214#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#214#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#214#));
-        decoded_reg_strb.result_clocks <= cpuif_req_masked and (cpuif_addr = 16#218#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#218#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#218#));
-        decoded_reg_strb.brake_clocks <= cpuif_req_masked and (cpuif_addr = 16#21C#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#21C#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#21C#));
-        decoded_reg_strb.command_clocks <= cpuif_req_masked and (cpuif_addr = 16#220#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#220#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#220#));
-        decoded_reg_strb.hold_clocks <= cpuif_req_masked and (cpuif_addr = 16#224#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#224#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#224#));
-        decoded_reg_strb.brake_test_clocks <= cpuif_req_masked and (cpuif_addr = 16#228#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#228#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#228#));
-        for i0 in 0 to 2 loop
-            decoded_reg_strb.index_position(i0) <= cpuif_req_masked and (cpuif_addr = 16#240# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#240# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#240# + i0*16#4#));
+            decoded_reg_strb.trained_low(i0) <= decoded_req and (decoded_addr = 16#60# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#60# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#60# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.index_period(i0) <= cpuif_req_masked and (cpuif_addr = 16#260# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#260# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#260# + i0*16#4#));
+            decoded_reg_strb.trained_high(i0) <= decoded_req and (decoded_addr = 16#80# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#80# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#80# + i0*16#4#) and not decoded_req_is_wr);
+        end loop;
+        decoded_reg_strb.control <= decoded_req and (decoded_addr = 16#200#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#200#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#200#));
+        decoded_reg_strb.command <= decoded_req and (decoded_addr = 16#204#) and decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#204#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#204#) and decoded_req_is_wr);
+        decoded_reg_strb.tick_clocks <= decoded_req and (decoded_addr = 16#208#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#208#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#208#));
+        decoded_reg_strb.expected_weights <= decoded_req and (decoded_addr = 16#20C#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#20C#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#20C#));
+        decoded_reg_strb.saturation_clocks <= decoded_req and (decoded_addr = 16#210#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#210#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#210#));
+        decoded_reg_strb.watchdog_clocks <= decoded_req and (decoded_addr = 16#214#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#214#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#214#));
+        decoded_reg_strb.result_clocks <= decoded_req and (decoded_addr = 16#218#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#218#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#218#));
+        decoded_reg_strb.brake_clocks <= decoded_req and (decoded_addr = 16#21C#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#21C#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#21C#));
+        decoded_reg_strb.command_clocks <= decoded_req and (decoded_addr = 16#220#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#220#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#220#));
+        decoded_reg_strb.hold_clocks <= decoded_req and (decoded_addr = 16#224#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#224#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#224#));
+        decoded_reg_strb.brake_test_clocks <= decoded_req and (decoded_addr = 16#228#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#228#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#228#));
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.index_position(i0) <= decoded_req and (decoded_addr = 16#240# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#240# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#240# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.window_low(i0) <= cpuif_req_masked and (cpuif_addr = 16#280# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#280# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#280# + i0*16#4#));
+            decoded_reg_strb.index_period(i0) <= decoded_req and (decoded_addr = 16#260# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#260# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#260# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.window_high(i0) <= cpuif_req_masked and (cpuif_addr = 16#2A0# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#2A0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#2A0# + i0*16#4#));
+            decoded_reg_strb.window_low(i0) <= decoded_req and (decoded_addr = 16#280# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#280# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#280# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.current_limit_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#2C0# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#2C0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#2C0# + i0*16#4#));
+            decoded_reg_strb.window_high(i0) <= decoded_req and (decoded_addr = 16#2A0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#2A0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#2A0# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.current_slew_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#2E0# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#2E0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#2E0# + i0*16#4#));
+            decoded_reg_strb.current_limit_ua(i0) <= decoded_req and (decoded_addr = 16#2C0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#2C0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#2C0# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.command_bound_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#300# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#300# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#300# + i0*16#4#));
+            decoded_reg_strb.current_slew_ua(i0) <= decoded_req and (decoded_addr = 16#2E0# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#2E0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#2E0# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.period_min_clocks(i0) <= cpuif_req_masked and (cpuif_addr = 16#320# + i0*16#4#);
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#320# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#320# + i0*16#4#));
-        end loop;
-        decoded_reg_strb.result_number <= cpuif_req_masked and (cpuif_addr = 16#400#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#400#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#400#) and not cpuif_req_is_wr);
-        decoded_reg_strb.missed_ticks <= cpuif_req_masked and (cpuif_addr = 16#404#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#404#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#404#) and not cpuif_req_is_wr);
-        decoded_reg_strb.status <= cpuif_req_masked and (cpuif_addr = 16#408#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#408#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#408#) and not cpuif_req_is_wr);
-        decoded_reg_strb.result_flags <= cpuif_req_masked and (cpuif_addr = 16#40C#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#40C#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#40C#) and not cpuif_req_is_wr);
-        decoded_reg_strb.command_flags <= cpuif_req_masked and (cpuif_addr = 16#410#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#410#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#410#) and not cpuif_req_is_wr);
-        decoded_reg_strb.encoder_flags <= cpuif_req_masked and (cpuif_addr = 16#414#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#414#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#414#) and not cpuif_req_is_wr);
-        decoded_reg_strb.speed_flags <= cpuif_req_masked and (cpuif_addr = 16#418#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#418#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#418#) and not cpuif_req_is_wr);
-        decoded_reg_strb.cause <= cpuif_req_masked and (cpuif_addr = 16#41C#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#41C#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#41C#) and not cpuif_req_is_wr);
-        decoded_reg_strb.fault <= cpuif_req_masked and (cpuif_addr = 16#420#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#420#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#420#));
-        decoded_reg_strb.first_cause <= cpuif_req_masked and (cpuif_addr = 16#424#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#424#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#424#) and not cpuif_req_is_wr);
-        decoded_reg_strb.control_now <= cpuif_req_masked and (cpuif_addr = 16#428#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#428#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#428#) and not cpuif_req_is_wr);
-        for i0 in 0 to 2 loop
-            decoded_reg_strb.position(i0) <= cpuif_req_masked and (cpuif_addr = 16#440# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#440# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#440# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.command_bound_ua(i0) <= decoded_req and (decoded_addr = 16#300# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#300# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#300# + i0*16#4#));
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.speed_period(i0) <= cpuif_req_masked and (cpuif_addr = 16#460# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#460# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#460# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.period_min_clocks(i0) <= decoded_req and (decoded_addr = 16#320# + i0*16#4#);
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#320# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#320# + i0*16#4#));
+        end loop;
+        decoded_reg_strb.result_number <= decoded_req and (decoded_addr = 16#400#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#400#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#400#) and not decoded_req_is_wr);
+        decoded_reg_strb.missed_ticks <= decoded_req and (decoded_addr = 16#404#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#404#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#404#) and not decoded_req_is_wr);
+        decoded_reg_strb.status <= decoded_req and (decoded_addr = 16#408#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#408#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#408#) and not decoded_req_is_wr);
+        decoded_reg_strb.result_flags <= decoded_req and (decoded_addr = 16#40C#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#40C#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#40C#) and not decoded_req_is_wr);
+        decoded_reg_strb.command_flags <= decoded_req and (decoded_addr = 16#410#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#410#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#410#) and not decoded_req_is_wr);
+        decoded_reg_strb.encoder_flags <= decoded_req and (decoded_addr = 16#414#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#414#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#414#) and not decoded_req_is_wr);
+        decoded_reg_strb.speed_flags <= decoded_req and (decoded_addr = 16#418#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#418#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#418#) and not decoded_req_is_wr);
+        decoded_reg_strb.cause <= decoded_req and (decoded_addr = 16#41C#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#41C#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#41C#) and not decoded_req_is_wr);
+        decoded_reg_strb.fault <= decoded_req and (decoded_addr = 16#420#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#420#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#420#));
+        decoded_reg_strb.first_cause <= decoded_req and (decoded_addr = 16#424#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#424#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#424#) and not decoded_req_is_wr);
+        decoded_reg_strb.control_now <= decoded_req and (decoded_addr = 16#428#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#428#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#428#) and not decoded_req_is_wr);
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.position(i0) <= decoded_req and (decoded_addr = 16#440# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#440# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#440# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.force_mn(i0) <= cpuif_req_masked and (cpuif_addr = 16#480# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#480# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#480# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.speed_period(i0) <= decoded_req and (decoded_addr = 16#460# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#460# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#460# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.current_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#4A0# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#4A0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#4A0# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.force_mn(i0) <= decoded_req and (decoded_addr = 16#480# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#480# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#480# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.command_ua(i0) <= cpuif_req_masked and (cpuif_addr = 16#4C0# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#4C0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#4C0# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.current_ua(i0) <= decoded_req and (decoded_addr = 16#4A0# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#4A0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#4A0# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.position_now(i0) <= cpuif_req_masked and (cpuif_addr = 16#4E0# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#4E0# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#4E0# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.command_ua(i0) <= decoded_req and (decoded_addr = 16#4C0# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#4C0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#4C0# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
         for i0 in 0 to 2 loop
-            decoded_reg_strb.first_position(i0) <= cpuif_req_masked and (cpuif_addr = 16#500# + i0*16#4#) and not cpuif_req_is_wr;
-            is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#500# + i0*16#4#));
-            is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#500# + i0*16#4#) and not cpuif_req_is_wr);
+            decoded_reg_strb.position_now(i0) <= decoded_req and (decoded_addr = 16#4E0# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#4E0# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#4E0# + i0*16#4#) and not decoded_req_is_wr);
         end loop;
-        decoded_reg_strb.interrupt_enable <= cpuif_req_masked and (cpuif_addr = 16#600#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#600#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#600#));
-        decoded_reg_strb.interrupt_status <= cpuif_req_masked and (cpuif_addr = 16#604#);
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#604#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#604#));
-        decoded_reg_strb.load_unlock <= cpuif_req_masked and (cpuif_addr = 16#610#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#610#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#610#) and cpuif_req_is_wr);
-        decoded_reg_strb.load_status <= cpuif_req_masked and (cpuif_addr = 16#614#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#614#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#614#) and not cpuif_req_is_wr);
-        decoded_reg_strb.bank_crc <= cpuif_req_masked and (cpuif_addr = 16#618#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#618#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#618#) and not cpuif_req_is_wr);
-        decoded_reg_strb.load_command <= cpuif_req_masked and (cpuif_addr = 16#620#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#620#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#620#) and cpuif_req_is_wr);
-        decoded_reg_strb.load_crc <= cpuif_req_masked and (cpuif_addr = 16#624#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#624#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#624#) and cpuif_req_is_wr);
-        decoded_reg_strb.load_word <= cpuif_req_masked and (cpuif_addr = 16#628#) and cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#628#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#628#) and cpuif_req_is_wr);
-        decoded_reg_strb.guards <= cpuif_req_masked and (cpuif_addr = 16#640#) and not cpuif_req_is_wr;
-        is_valid_addr := is_valid_addr or (cpuif_req_masked and (cpuif_addr = 16#640#));
-        is_valid_rw := is_valid_rw or (cpuif_req_masked and (cpuif_addr = 16#640#) and not cpuif_req_is_wr);
+        for i0 in 0 to 2 loop
+            decoded_reg_strb.first_position(i0) <= decoded_req and (decoded_addr = 16#500# + i0*16#4#) and not decoded_req_is_wr;
+            is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#500# + i0*16#4#));
+            is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#500# + i0*16#4#) and not decoded_req_is_wr);
+        end loop;
+        decoded_reg_strb.interrupt_enable <= decoded_req and (decoded_addr = 16#600#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#600#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#600#));
+        decoded_reg_strb.interrupt_status <= decoded_req and (decoded_addr = 16#604#);
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#604#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#604#));
+        decoded_reg_strb.load_unlock <= decoded_req and (decoded_addr = 16#610#) and decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#610#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#610#) and decoded_req_is_wr);
+        decoded_reg_strb.load_status <= decoded_req and (decoded_addr = 16#614#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#614#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#614#) and not decoded_req_is_wr);
+        decoded_reg_strb.bank_crc <= decoded_req and (decoded_addr = 16#618#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#618#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#618#) and not decoded_req_is_wr);
+        decoded_reg_strb.load_command <= decoded_req and (decoded_addr = 16#620#) and decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#620#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#620#) and decoded_req_is_wr);
+        decoded_reg_strb.load_crc <= decoded_req and (decoded_addr = 16#624#) and decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#624#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#624#) and decoded_req_is_wr);
+        decoded_reg_strb.load_word <= decoded_req and (decoded_addr = 16#628#) and decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#628#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#628#) and decoded_req_is_wr);
+        decoded_reg_strb.guards <= decoded_req and (decoded_addr = 16#640#) and not decoded_req_is_wr;
+        is_valid_addr := is_valid_addr or (decoded_req and (decoded_addr = 16#640#));
+        is_valid_rw := is_valid_rw or (decoded_req and (decoded_addr = 16#640#) and not decoded_req_is_wr);
         decoded_err <= (not is_valid_addr or (is_valid_addr and not is_valid_rw)) and decoded_req;
     end process;
 
     -- Pass down signals to next stage
-    process(all) begin
-        decoded_addr <= cpuif_addr;
-        decoded_req <= cpuif_req_masked;
-        decoded_req_is_wr <= cpuif_req_is_wr;
-        decoded_wr_data <= cpuif_wr_data;
-        decoded_wr_biten <= cpuif_wr_biten;
+    process(clk) begin
+        if rising_edge(clk) then
+            decoded_addr <= cpuif_addr;
+            decoded_req <= cpuif_req_masked and not rst;
+            decoded_req_is_wr <= cpuif_req_is_wr;
+            decoded_wr_data <= cpuif_wr_data;
+            decoded_wr_biten <= cpuif_wr_biten;
+        end if;
     end process;
 
     ----------------------------------------------------------------------------
@@ -2668,17 +2670,13 @@ begin
     ----------------------------------------------------------------------------
     process(clk) begin
         if rising_edge(clk) then
-            if rst then
-                read_select <= (0 => '1', others => '0');
-            elsif s_axil_arvalid and s_axil_arready then
-                for i in read_select'range loop
-                    if unsigned(s_axil_araddr(11 downto 2)) = i then
-                        read_select(i) <= '1';
-                    else
-                        read_select(i) <= '0';
-                    end if;
-                end loop;
-            end if;
+            for i in read_select'range loop
+                if unsigned(axil_araddr(11 downto 2)) = i then
+                    read_select(i) <= '1';
+                else
+                    read_select(i) <= '0';
+                end if;
+            end loop;
         end if;
     end process;
 

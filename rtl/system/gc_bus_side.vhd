@@ -9,9 +9,9 @@
 -- An address without a register, a write to a register that cannot be written and a read of one that cannot be read
 -- get the response SLVERR and change nothing; so does a write to the loader while it is locked. What is to be loaded
 -- counts only while it is unlocked: no wrong bit in the registers loads anything.
--- A write address is taken when the write before it was answered and what that loads has gone out, in one word with
--- the settings: a write finds the lock as those before it have left it, none overtakes another on the way to the core,
--- and nothing is loaded faster than it is taken.
+-- A write address is taken a clock after the write before it was answered and what that loads has gone out, in one word
+-- with the settings: a write finds the lock as those before it have left it, none overtakes another on the way to the
+-- core, and nothing is loaded faster than it is taken.
 -- With motion_g the upper half of the addresses is that of gc_motion_registers, and one read may be under way. A read
 -- of a word of a record waits until the core has sent it; while the core's clock stands it gets SLVERR.
 -- Latency: 1 clock from in_valid to the interrupt status. AXI4-Lite: see generated/gc_registers.vhd; one write and two
@@ -93,9 +93,9 @@ architecture rtl of gc_bus_side is
   signal regs_in  : gc_registers_in_t;
   signal regs_out : gc_registers_out_t;
 
-  signal unlocked      : std_ulogic;
+  signal unlocked      : std_ulogic := '0';
   signal writing       : std_ulogic := '0';
-  signal write_ready   : std_ulogic;
+  signal write_ready   : std_ulogic := '0';
   signal write_address : std_ulogic_vector(11 downto 0);
   signal write_valid   : std_ulogic;
   signal awready       : std_ulogic;
@@ -244,7 +244,6 @@ begin
 
   -- Writes, one at a time
 
-  write_ready <= not (writing or any_of(loads) or any_of(loads_waiting));
   write_valid <= s_axi_awvalid and write_ready;
   s_axi_awready <= awready and write_ready;
   s_axi_bvalid <= bvalid;
@@ -253,12 +252,15 @@ begin
   begin
 
     if rising_edge(clk) then
+      write_ready <= not (writing or any_of(loads) or any_of(loads_waiting));
       if write_valid = '1' and awready = '1' then
+        write_ready <= '0';
         writing <= '1';
       elsif bvalid = '1' and s_axi_bready = '1' then
         writing <= '0';
       end if;
       if rst = '1' then
+        write_ready <= '0';
         writing <= '0';
       end if;
     end if;
@@ -267,19 +269,24 @@ begin
 
   -- Loading
 
-  unlocked <= '1' when regs_out.load_unlock.key.value = load_key_c else '0';
   regs_in.load_unlock.key.hwclr <= regs_out.load_command.commit.value;
 
   write_address <= no_register_c when unlocked = '0' and s_axi_awaddr(load_block_c'range) = load_block_c else
                    s_axi_awaddr;
 
-  -- The word itself is there one clock after its swmod.
+  -- The key counts a clock after it was written, before the next write is taken. The word itself is there one clock
+  -- after its swmod.
   p_loaded : process (clk) is
   begin
 
     if rising_edge(clk) then
+      unlocked <= '0';
+      if regs_out.load_unlock.key.value = load_key_c then
+        unlocked <= '1';
+      end if;
       loaded <= regs_out.load_word.value.swmod;
       if rst = '1' then
+        unlocked <= '0';
         loaded <= '0';
       end if;
     end if;
@@ -289,7 +296,7 @@ begin
   loads.word <= regs_out.load_word.value.value when loaded = '1' else regs_out.load_crc.value.value;
   loads.is_word <= loaded and unlocked;
   loads.begin_image <= regs_out.load_command.begin_image.value and unlocked;
-  -- It locks, one clock later.
+  -- It locks, two clocks later, before the next write is taken.
   loads.commit <= regs_out.load_command.commit.value and unlocked;
   loads.use_rom <= regs_out.load_command.use_rom.value and unlocked;
 

@@ -132,7 +132,7 @@ CLAIMS = (
         {"BEFORE": DRIVE_CLOCKS, "BUSY": DRIVE_CLOCKS + 21},
         cuts=("move_ready", "too_narrow", "records", "triggered", "read_word"),
     ),
-    Claim("axi", "gc_bus_side", parameters={"ANSWER": 3}),
+    Claim("axi", "gc_bus_side", parameters={"ANSWER": 4}),
     # Of the loader nothing matters to an interrupt, and its key is 32 bits.
     Claim("interrupts", "gc_bus_side", cuts=("unlocked", "loads", "loads_waiting"), rewrite=True),
     Claim(

@@ -6,7 +6,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from gravcomp.core.vhdl.plain_vhdl import plain
-from gravcomp.core.vhdl.small_registers import small
+from gravcomp.core.vhdl.small_registers import retimed, small
 from gravcomp.errors import InputError
 from gravcomp.shipped import shipped
 
@@ -19,10 +19,10 @@ _ADDRESS_BITS = 12
 def register_files(n_axes: int) -> dict[str, str]:
     """gc_registers, gc_motion_registers and their packages for so many axes, text by file name.
 
-    Raises InputError as elaborated does, and as small.
+    Raises InputError as elaborated does, and as retimed and small.
     """
     written = peakrdl_files(n_axes)
-    return {name: text if name.endswith("_pkg.vhd") else small(text) for name, text in written.items()}
+    return {name: text if name.endswith("_pkg.vhd") else small(retimed(text)) for name, text in written.items()}
 
 
 def peakrdl_files(n_axes: int) -> dict[str, str]:

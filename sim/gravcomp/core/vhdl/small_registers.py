@@ -1,6 +1,12 @@
-"""VHDL of registers as PeakRDL writes it, for fewer cells and a shorter path. It answers the same in the same clock:
+"""VHDL of registers as PeakRDL writes it, for fewer cells and shorter paths.
 
-* a word that is read is chosen by a flip-flop of its own, set when its address is taken, and the words are ORed. As
+retimed answers a clock later: a register stands between what chooses among reads and writes and the decoding of their
+addresses, and no request is taken in the clock in which the one before it goes on. PeakRDL's own settings retime what
+is read only, and the way of a write is the longer one.
+
+small answers the same in the same clock as what retimed writes:
+
+* a word that is read is chosen by a flip-flop of its own, set when its address is decoded, and the words are ORed. As
   written, its address is compared in a chain of multiplexers, which synthesis makes part of the cone of every bit.
 * a byte that is written is enabled as its flip-flops are. As written, every bit has a gate that puts its value back.
 """
@@ -17,24 +23,42 @@ _WRITTEN = re.compile(
     r"next_c := \(field_storage\.\S+ and not decoded_wr_biten\((.+?)\)\)"
     r" or \(decoded_wr_data\(\1\) and decoded_wr_biten\(\1\)\);"
 )
+_DECODED = re.compile(r"    -- Address Decode\n    -.*?(?=    -- Pass down signals to next stage\n)", re.DOTALL)
+_PASSED = re.compile(r"    process\(all\) begin\n((?:        decoded_\w+ <= \w+;\n)+)    end process;\n")
+_READY = re.compile(r"(s_axil_\w+ready <= not axil_\w+) or axil_\w+_accept;")
+_REQUEST = "decoded_req <= cpuif_req_masked;"
+_NOT_IN_RESET = "decoded_req <= cpuif_req_masked and not rst;"
+# Of a request, as it is chosen and a clock later.
+_LATER = {
+    "cpuif_req_masked": "decoded_req",
+    "cpuif_req_is_wr": "decoded_req_is_wr",
+    "cpuif_addr": "decoded_addr",
+}
 _SELECT = "    signal read_select : std_logic_vector({last} downto 0) := (0 => '1', others => '0');\n"
 _CHOICE = """\
     process(clk) begin
         if rising_edge(clk) then
-            if rst then
-                read_select <= (0 => '1', others => '0');
-            elsif s_axil_arvalid and s_axil_arready then
-                for i in read_select'range loop
-                    if unsigned(s_axil_araddr({high} downto 2)) = i then
-                        read_select(i) <= '1';
-                    else
-                        read_select(i) <= '0';
-                    end if;
-                end loop;
-            end if;
+            for i in read_select'range loop
+                if unsigned(axil_araddr({high} downto 2)) = i then
+                    read_select(i) <= '1';
+                else
+                    read_select(i) <= '0';
+                end if;
+            end loop;
         end if;
     end process;
 """
+
+
+def retimed(text: str) -> str:
+    """The same registers, a clock later. Raises InputError when a part of the text is not of the form that is known."""
+    decoded = _found("decodes no address", _DECODED, text)[0]
+    passed = _found("passes no request on", _PASSED, text)
+    _found("takes no request", _READY, text)
+    later = re.sub("|".join(_LATER), lambda found: _LATER[found[0]], decoded)
+    moves = "".join(f"    {line}\n" for line in passed[1].replace(_REQUEST, _NOT_IN_RESET).splitlines())
+    clocked = f"    process(clk) begin\n        if rising_edge(clk) then\n{moves}        end if;\n    end process;\n"
+    return _READY.sub(r"\1;", text.replace(decoded, later).replace(passed[0], clocked))
 
 
 def small(text: str) -> str:
