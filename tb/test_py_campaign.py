@@ -207,7 +207,7 @@ def test_command_measures_over_a_line_and_loads_nothing_where_nothing_is_missing
     content = json.loads((out / "campaign.json").read_text())
     assert (content["schema"], content["held_out"], content["sittings"]) == (1, 3, 2)
     assert content["noise"] == pytest.approx(45e-6 * WholeModel.NOISE_UA, rel=0.3)
-    assert (out / "report.html").read_text().count("<svg") == 3
+    assert (out / "report.html").read_text().count("<svg") == 3 + 1, "one for each axis, and maps"
     with ModelBoard(whole()) as board:  # all is measured: nothing moves
         assert command(board, limits, out, *SMALL, "--resume") == 0
         assert not board.core.targets

@@ -39,6 +39,19 @@ def test_the_direct_kinematics_leads_back():
     np.testing.assert_allclose(direct_kinematics(q, p), pose(*np.deg2rad(angles).T), atol=1e-9)
 
 
+def test_the_orientation_at_positions_is_the_one_that_led_there():
+    """At the edge of the workspace, too; of a robot without a tilt, its direction is any."""
+    robot, rng = MACHINE.robot, np.random.default_rng(9)
+    p = robot.parameters
+    angles = rng.uniform([-180, 0, -p.torsion_max_deg], [180, p.tilt_max_deg, p.torsion_max_deg], (500, 3))
+    angles[0] = 170.0, p.tilt_max_deg, -p.torsion_max_deg
+    told = np.rad2deg(robot.orientation(positions_at(MACHINE, angles, "test")))
+    tilted = angles[:, 1] > 1.0
+    np.testing.assert_allclose(told[tilted], angles[tilted], atol=1e-6)
+    np.testing.assert_allclose(told[:, 1:], angles[:, 1:], atol=1e-6)
+    np.testing.assert_allclose(robot.orientation(robot.at_orientation([0.7, 0.0, 0.1]))[1:], [0.0, 0.1], atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("angles", "words"),
     [

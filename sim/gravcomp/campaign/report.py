@@ -2,9 +2,12 @@
 
 import io
 
+import numpy as np
+
 from gravcomp.campaign.figures import Efforts
 from gravcomp.campaign.journal import AFTER, BEFORE
 from gravcomp.robot.machine import Machine
+from gravcomp.robot.protocol import TellsOrientation
 
 _PHASES = (BEFORE, AFTER)
 _COLOURS = {BEFORE: "#b0413e", AFTER: "#2a6f97"}
@@ -51,9 +54,37 @@ def report_page(content: dict, phases: dict[str, Efforts], machine: Machine) -> 
 
     pages = jinja2.Environment(loader=jinja2.PackageLoader("gravcomp.campaign", "."), autoescape=True)
     figures = [_figure(phases, axis, machine) for axis in range(machine.n_axes)]
+    robot = machine.robot
+    maps = _maps(phases, robot, content["unit"]) if isinstance(robot, TellsOrientation) else None
     return pages.get_template("report.html.j2").render(
-        r=content, rows=rows(content), outcome=outcome(content), figures=figures
+        r=content, rows=rows(content), outcome=outcome(content), figures=figures, maps=maps
     )
+
+
+def _maps(phases: dict[str, Efforts], robot: TellsOrientation, unit: str) -> str:
+    """Effort of the servo, RMS over the axes, over the orientation: each angle over the first, a column per phase."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    names = robot.orientation_names
+    angles = {phase: np.rad2deg(robot.orientation(e.q)) for phase, e in phases.items()}
+    size = {phase: np.sqrt(np.mean(e.servo**2, axis=1)) for phase, e in phases.items()}
+    largest = max(own.max() for own in size.values())
+    with mpl.rc_context({**_RC, "svg.hashsalt": "maps"}):
+        figure = Figure(figsize=(10.5, 2.6 * (len(names) - 1)), layout="constrained")
+        panels = figure.subplots(len(names) - 1, len(phases), sharex=True, sharey="row", squeeze=False)
+        for column, phase in enumerate(phases):
+            for row, panel in enumerate(panels[:, column]):
+                x, y = angles[phase][:, 0], angles[phase][:, row + 1]
+                dots = panel.scatter(x, y, c=size[phase], vmin=0.0, vmax=largest, s=9, cmap="viridis_r")
+                panel.grid(color="#dddddd", lw=0.6)
+                panel.set_axisbelow(True)
+                if column == 0:
+                    panel.set_ylabel(f"{names[row + 1]}, deg")
+            panels[0, column].set_title(phase, fontsize=9)
+            panels[-1, column].set_xlabel(f"{names[0]}, deg")
+        figure.colorbar(dots, ax=panels, label=f"servo, RMS over axes, {unit}")
+        return _svg(figure)
 
 
 def _figure(phases: dict[str, Efforts], axis: int, machine: Machine) -> str:
@@ -79,7 +110,12 @@ def _figure(phases: dict[str, Efforts], axis: int, machine: Machine) -> str:
             panel.axhline(0.0, color="#888888", lw=0.6)
         panels[0].set_ylabel(f"servo, {effort}")
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=2, markerscale=2)
-        stream = io.StringIO()
-        figure.savefig(stream, format="svg", metadata={"Date": None})
+        return _svg(figure)
+
+
+def _svg(figure) -> str:
+    """The picture, to stand inside a page."""
+    stream = io.StringIO()
+    figure.savefig(stream, format="svg", metadata={"Date": None})
     svg = stream.getvalue()
     return svg[svg.index("<svg") :]

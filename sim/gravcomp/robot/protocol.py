@@ -115,6 +115,15 @@ class TakesOrientations(Protocol):
 
 
 @runtime_checkable
+class TellsOrientation(TakesOrientations, Protocol):
+    """And tells the orientation at which it is: maps are drawn over it."""
+
+    def orientation(self, q: np.ndarray) -> np.ndarray:
+        """Angles (..., k), rad, at positions (..., n); the inverse of at_orientation. Raises PoseError."""
+        ...
+
+
+@runtime_checkable
 class TurnsGravity(Protocol):
     """Can tell what it holds when gravity has another direction: its base is not level."""
 

@@ -19,7 +19,7 @@ from gravcomp.robot.spheiro.kinematics import (
 from gravcomp.robot.spheiro.parameters import RobotParameters, parameters_from_table
 from gravcomp.robot.spheiro.reactions import slide_reactions
 from gravcomp.robot.spheiro.statics import forces_from_axes, holding_forces, holding_forces_at
-from gravcomp.robot.spheiro.workspace import pose, sample_boundary, sample_workspace
+from gravcomp.robot.spheiro.workspace import angles_of, pose, sample_boundary, sample_workspace
 
 # Bounds come from a grid and are rounded outward to these; a bound between
 # two grid points is less than 0.01 mm and 0.05 N beyond them.
@@ -66,6 +66,12 @@ class Spheiro:
             )
             raise PoseError(f"pose {bad[0] + 1} is outside the workspace; give {mend}", bad[0])
         return inverse_kinematics(pose(*np.moveaxis(angles, -1, 0)), p)
+
+    def orientation(self, q: np.ndarray) -> np.ndarray:
+        """Elevation, azimuth and torsion (..., 3), rad, at positions (..., 3), m. Raises PoseError outside the joint
+        space.
+        """
+        return angles_of(direct_kinematics(q, self.parameters))
 
     @cached_property
     def bounds(self) -> Bounds:

@@ -20,6 +20,19 @@ def pose(azimuth_rad: np.ndarray, tilt_rad: np.ndarray, torsion_rad: np.ndarray)
     return _turn(direction, tilt) @ _turn(CENTRE, torsion)
 
 
+def angles_of(rotation: np.ndarray) -> np.ndarray:
+    """Azimuth, tilt and torsion (..., 3), rad, of rotations (..., 3, 3): what `pose` makes them of.
+
+    Azimuth within -pi and pi, tilt within 0 and pi; without a tilt the azimuth is any, as rounding has it.
+    """
+    towards = rotation @ CENTRE  # n, tilted
+    across = np.cross(CENTRE, towards)  # sin(tilt) times the axis of the tilt
+    tilt = np.arctan2(np.linalg.norm(across, axis=-1), towards @ CENTRE)
+    azimuth = np.arctan2(across @ _TILT_AXES[1], across @ _TILT_AXES[0])
+    twisted = np.swapaxes(pose(azimuth, tilt, 0.0), -1, -2) @ rotation @ _TILT_AXES[0]
+    return np.stack([azimuth, tilt, np.arctan2(twisted @ _TILT_AXES[1], twisted @ _TILT_AXES[0])], axis=-1)
+
+
 def _turn(direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Rotations (..., 3, 3) about unit vectors (..., 3) by angles (...): Rodrigues' formula."""
     cosine, sine = np.cos(angle)[..., None, None], np.sin(angle)[..., None, None]
