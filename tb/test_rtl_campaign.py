@@ -88,6 +88,7 @@ def test_a_campaign_goes_on_after_a_cut_line_and_tells_what_is_missing(core, tmp
 
     world.exchanges_left, world.engaged = 10**9, 0
     content = conducted(world, campaign_of(world, folder, out, resume=True))
+    world.wait(2)  # until the brakes that it has engaged have fallen
     assert world.engaged == 2  # before it diagnoses and at the end, by the campaign itself
     assert content == json.loads((out / "campaign.json").read_text())
     lines = [json.loads(line) for line in (out / "journal.jsonl").read_text().splitlines()]

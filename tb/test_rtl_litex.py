@@ -94,7 +94,7 @@ def built():
     soc, platform = soc_of(folder, out)
     soc.finalize()
     platform.get_verilog(soc, name="gravcomp_soc").write(str(out / "gravcomp_soc.v"))
-    return compiled([out / "gravcomp_soc.v", out / "gc_system.v"], "gravcomp_soc", out), soc, folder
+    return compiled([out / "gravcomp_soc.v", out / "gc_system.v"], "gravcomp_soc", out, 1), soc, folder
 
 
 def test_the_driver_homes_moves_and_measures_through_the_soc(built, tmp_path):

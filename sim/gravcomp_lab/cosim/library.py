@@ -22,15 +22,16 @@ from gravcomp.simulation.simulator import compiler_effort
 from gravcomp_lab.synthesis.verilator import run_verilator
 from gravcomp_lab.synthesis.verilog import rtl_sources, to_verilog
 
-TOP = "gc_system"
+TOP, SERIAL_TOP = "gc_system", "gc_serial_system"
+BUS_RATIO = 2  # clocks of the core in one of the bus
 STEP_CLOCKS = 160  # of the core in a step of the physics; enough for three axes and 20 neurons, one by one
 EDGE_CLOCKS = 4  # from edge to edge of an encoder, at least
 MOST_AXES = 8
 _STANDSTILL_S = 0.25  # without an edge
-WRAPPER = Path(__file__).with_name("cosim.cpp")
+AROUND = tuple(Path(__file__).with_name(name) for name in ("cosim.v", "cosim.cpp"))
 _VERILATOR = [
     *("--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"),
-    *("--default-language", "1364-2005", "--prefix", f"V{TOP}", "-LDFLAGS", "-shared"),
+    *("--default-language", "1364-2005", "--top-module", "cosim", "-LDFLAGS", "-shared"),
     *compiler_effort(1),
     *("-Wno-lint", "-Wno-COMBDLY", "-Wno-INITIALDLY", "-Wno-UNOPTFLAT"),
 ]
@@ -61,8 +62,10 @@ def slow_machine(folder: Path, out: Path, step_clocks: int = STEP_CLOCKS) -> Pat
     return out
 
 
-def build(machine: Path, rtl: Path, folder: Path, lanes: int = 1) -> Path:
+def build(machine: Path, rtl: Path, folder: Path, lanes: int = 1, baud: int | None = None) -> Path:
     """The library of the core of a machine folder that slow_machine made, compiled into a folder unless it is there.
+
+    baud: it is behind a serial line, without motion and at the clock that it has on a board.
 
     Raises InputError when a tool is missing or refuses.
     """
@@ -71,7 +74,17 @@ def build(machine: Path, rtl: Path, folder: Path, lanes: int = 1) -> Path:
         fcntl.flock(lock, fcntl.LOCK_EX)  # of two that want it at once one compiles
         write_rom(machine, folder / "generated")
         sources = rtl_sources(rtl, folder / "generated")
-        return compiled([to_verilog(sources, TOP, generics(machine, lanes), folder / f"{TOP}.v")], TOP, folder)
+        top = SERIAL_TOP if baud else TOP
+        of_top = serial_generics(machine, baud) if baud else generics(machine, lanes)
+        verilog = to_verilog(sources, top, of_top, folder / f"{top}.v")
+        return compiled([verilog], top, folder, load_machine(machine).n_axes)
+
+
+def serial_generics(machine: Path, baud: int) -> dict[str, int | str]:
+    """Of the core of a machine folder behind a line; a pause of 3.5 characters ends a frame."""
+    clock_hz = int(load_machine(machine).clock_hz)
+    line = {"bus_clock_hz_g": clock_hz // BUS_RATIO, "baud_g": baud, "gap_us_g": 0}
+    return {"lanes_g": 1, "clock_hz_g": clock_hz, **line}
 
 
 def generics(machine: Path, lanes: int = 1) -> dict[str, int | str]:
@@ -88,19 +101,20 @@ def generics(machine: Path, lanes: int = 1) -> dict[str, int | str]:
     }
 
 
-def compiled(verilog: Sequence[Path], top: str, folder: Path) -> Path:
-    """The library of a module with the ports of gc_system, compiled into a folder unless it is there. Raises
-    InputError."""
-    content = b"".join(file.read_bytes() for file in (*verilog, WRAPPER)) + repr((_VERILATOR, top)).encode()
+def compiled(verilog: Sequence[Path], core: str, folder: Path, axes: int) -> Path:
+    """The library of a module with the ports of gc_system for so many axes, compiled into a folder unless it is there.
+    Raises InputError."""
+    options = [*_VERILATOR, f"+define+CORE={core}", f"-GAXES={axes}"]
+    options += ["+define+SERIAL"] if core == SERIAL_TOP else []
+    content = b"".join(file.read_bytes() for file in (*verilog, *AROUND)) + repr(options).encode()
     key = hashlib.sha256(content).hexdigest()[:16]
     library = folder / f"cosim-{key}.so"
     if not library.exists():
-        _compile(verilog, top, folder / f"verilated-{key}", library)
+        _compile([*options, *verilog], folder / f"verilated-{key}", library)
     return library
 
 
-def _compile(verilog: Sequence[Path], top: str, folder: Path, library: Path) -> None:
-    options = ["--top-module", top, "-CFLAGS", _COMPILER, "--Mdir", folder, "-o", "cosim.so"]
-    run_verilator([*_VERILATOR, *options, *verilog, WRAPPER])
+def _compile(arguments: Sequence[str | Path], folder: Path, library: Path) -> None:
+    run_verilator([*arguments, *AROUND, "-CFLAGS", _COMPILER, "--Mdir", folder, "-o", "cosim.so"])
     (folder / "cosim.so").rename(library)
     shutil.rmtree(folder)

@@ -20,7 +20,6 @@ from gravcomp.robot.machine import Machine
 from gravcomp_lab.cosim.library import EDGE_CLOCKS, Port
 
 _INDEX, _START = 2, -40  # counts from the middle of an axis: its only mark, and where it stands when power comes on
-_HAND_COUNTS = 2  # that a hand moves the axes in a step over an index
 _CARRY_COUNTS = 30  # and elsewhere, of the axis that goes farthest
 _EXCHANGES_PER_STEP = 2  # a USB bridge takes half a millisecond at least
 _PATIENCE_CLOCKS = 10_000  # of an access
@@ -35,8 +34,11 @@ def middles(machine: Machine) -> np.ndarray:
 class World:
     """A Bus, with a robot behind it. steps: milliseconds so far; engaged: how often the brakes fell while they held.
 
-    effects: what the robot has and its model lacks. Raises InputError when the library cannot be loaded.
+    effects: what the robot has and its model lacks. hand_counts: that a hand moves the axes in a step over an index.
+    Raises InputError when the library cannot be loaded.
     """
+
+    hand_counts = 2
 
     def __init__(
         self, library: Path, machine: Machine, effects: Sequence[Imperfection] | MakeImperfections = (), seed: int = 0
@@ -118,7 +120,7 @@ class World:
 
     def by_hand(self) -> None:
         """Someone moves every axis over its index and back."""
-        there = np.arange(0, -2 * _START, _HAND_COUNTS)
+        there = np.arange(0, -2 * _START, self.hand_counts)
         self._follow(np.concatenate([there, there[::-1]])[:, None] + self._start)
 
     def carry(self, counts: np.ndarray) -> None:
@@ -132,7 +134,11 @@ class World:
         self._way = ways.astype(int).tolist()[::-1]
         while self._way:
             self.wait(1)
-        q = self.machine.drive.positions(ways[-1])
+        self._put(ways[-1])
+
+    def _put(self, counts: np.ndarray) -> None:
+        """The physics has the axes at rest at counts (n,)."""
+        q = self.machine.drive.positions(counts)
         self.plant.place(q, np.zeros(self.machine.n_axes), self.plant.state.t_s)
         self.plant.engine.data.qvel[:] = 0.0
 
