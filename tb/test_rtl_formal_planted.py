@@ -563,6 +563,7 @@ OF_THE_CHECKER = {
     "edges_are_counted_from_a_turn",
     "fast_edges_follow_a_step",
     "limit_is_one_of_those_given",
+    "reference_follows_a_homing",
     "results_are_six_clocks_apart",
     "time_never_wraps",
     "no_result",

@@ -103,6 +103,7 @@ architecture sim of gc_words_bench is
   (
     move_ticks       => value(62, 32),
     filter           => value(63, 4),
+    speed_feed       => '1',
     record_mode      => value(64, 2),
     record_mean      => '1',
     record_ticks     => value(65, 4),

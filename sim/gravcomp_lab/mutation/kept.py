@@ -4,7 +4,6 @@ import csv
 import hashlib
 import io
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
 from pathlib import Path
 
 from gravcomp.files import write_atomically
@@ -28,12 +27,13 @@ class Keys:
     """Keys of files, each read once; a file that is gone counts as an empty one."""
 
     def __init__(self):
-        self._digest = cache(self._digest_of)
+        self._digests: dict[Path, str] = {}
 
     def of(self, files: Iterable[Path]) -> str:
         """The key of files, in this order."""
         return hashlib.sha256("".join(map(self._digest, files)).encode()).hexdigest()[:16]
 
-    @staticmethod
-    def _digest_of(file: Path) -> str:
-        return hashlib.sha256(file.read_bytes() if file.is_file() else b"").hexdigest()
+    def _digest(self, file: Path) -> str:
+        if file not in self._digests:
+            self._digests[file] = hashlib.sha256(file.read_bytes() if file.is_file() else b"").hexdigest()
+        return self._digests[file]
