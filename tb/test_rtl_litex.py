@@ -1,5 +1,6 @@
 """The core in a LiteX SoC under Verilator, behind its Wishbone bus: a robot is homed, moved and measured through it."""
 
+import contextlib
 import shutil
 from types import SimpleNamespace
 
@@ -93,14 +94,16 @@ def built():
     assert main(["adopt", str(folder)]) == 0
     soc, platform = soc_of(folder, out)
     soc.finalize()
-    platform.get_verilog(soc, name="gravcomp_soc").write(str(out / "gravcomp_soc.v"))
+    with contextlib.chdir(out):  # LiteX writes what memories begin with into the folder it runs in
+        platform.get_verilog(soc, name="gravcomp_soc").write("gravcomp_soc.v")
     return compiled([out / "gravcomp_soc.v", out / "gc_system.v"], "gravcomp_soc", out, 1), soc, folder
 
 
 def test_the_driver_homes_moves_and_measures_through_the_soc(built, tmp_path):
     library, soc, folder = built
     machine = load_machine(folder)
-    world = SocWorld(library, machine)
+    with contextlib.chdir(BUILD / "tb" / "litex"):  # memories are read from there
+        world = SocWorld(library, machine)
     assert (
         bytes(world.csr(soc.csr.regions["identifier_mem"].origin + 4 * k) for k in range(len(IDENT))) == IDENT.encode()
     )
