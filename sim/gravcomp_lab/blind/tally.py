@@ -71,19 +71,8 @@ def run_model_case(kind: str, seed: int) -> OpenedSet:
     case = from_model.draw(kind, seed)
     found, content = _diagnose(case.data)
     is_right = kind == "unlisted" and from_model.is_driver(case, content["drivers"])
-    return _outcome(
-        "model",
-        kind,
-        seed,
-        case.truth,
-        case.machine,
-        case.ratio,
-        found,
-        content,
-        case.noise,
-        is_right,
-        0.0 * case.noise,
-    )
+    return _outcome("model", kind, seed, case.truth, case.machine, case.ratio, found, content, case.noise, is_right,
+                    0.0 * case.noise)  # fmt: skip
 
 
 def run_prototype_case(folder: Path, kind: str, seed: int, machine: str = "spheiro") -> OpenedSet:

@@ -130,7 +130,7 @@ class PortVerdicts:
     _COLUMNS = ("entity", "port", "tool", "by", "key")
 
     def __init__(self, path: Path, root: Path):
-        self._path, self._root = path, root
+        self._path, self._root, self._keys = path, root, Keys()
         self._kept = {(line["entity"], line["port"]): line for line in read_lines(path)}
 
     def known(self, port: OutputPort) -> Found | None:
@@ -155,7 +155,7 @@ class PortVerdicts:
             names = [found.by.partition("::")[0]]
         else:
             names = [*_simulations(found.entity, self._root), *sorted(f"formal/{p.name}" for p in tb.glob("formal/*"))]
-        return Keys().of([source_of(rtl, found.entity), *(tb / name for name in names)])
+        return self._keys.of([source_of(rtl, found.entity), *(tb / name for name in names)])
 
 
 INTRODUCTION = """\
