@@ -4,9 +4,9 @@ A bit takes the clocks that it takes on a board. The robot's time goes on by its
 whoever is at the terminal sees a board.
 """
 
-import contextlib
 import ctypes
 import os
+import select
 import threading
 import time
 import tty
@@ -15,9 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from gravcomp.robot.machine import Machine
+from gravcomp.twin.modbus import crc16
 from gravcomp_lab.cosim.world import World
 
 _CHARACTERS = 4096  # taken at once
+_IDLE_BITS = 20  # after power comes on: a start bit in the very clock in which reset ends would be none
+_REST_S = 0.1  # by the computer's clock, for the rest of a frame
 
 
 class SerialWorld(World):
@@ -34,11 +37,11 @@ class SerialWorld(World):
         self._core.cosim_line(self._bit_clocks)
         self._ours, self._theirs = os.openpty()
         tty.setraw(self._theirs)
-        os.set_blocking(self._ours, False)
         self.terminal, self._goes_on, self._lock = os.ttyname(self._theirs), True, threading.Lock()
         self._thread = threading.Thread(target=self._serve, daemon=True)
 
     def __enter__(self) -> "SerialWorld":
+        self._run(_IDLE_BITS * self._bit_clocks)
         self._thread.start()
         return self
 
@@ -61,11 +64,21 @@ class SerialWorld(World):
         with self._lock:
             super()._put(counts)
 
+    def _from_host(self) -> bytes:
+        """What the host has written. Of a frame that the terminal hands over in parts the robot's time waits for the
+        rest: a busy computer would leave a gap in it that a line has not.
+        """
+        sent = b""
+        while select.select([self._ours], [], [], _REST_S if sent else 0.0)[0]:
+            sent += os.read(self._ours, _CHARACTERS)
+            if crc16(sent) == 0:
+                break
+        return sent
+
     def _serve(self) -> None:
         came = (ctypes.c_uint8 * _CHARACTERS)()
         while self._goes_on:
-            with contextlib.suppress(BlockingIOError):
-                sent = os.read(self._ours, _CHARACTERS)
+            if sent := self._from_host():
                 self._core.cosim_send(sent, len(sent))
             with self._lock:
                 self._run(self._bit_clocks)
