@@ -36,15 +36,18 @@ def run(arguments):
     verdicts = Verdicts(arguments.verdicts, root)
     total = sum(min(share, len(order)) for share, order in planned.values())
     print(f"seed {arguments.seed}: {total} faults in {len(planned)} entities", flush=True)
-    outcomes = campaign.known(planned, verdicts) if arguments.known else _tried(planned, verdicts, total, arguments)
     equivalent = campaign.reasons(root / "tb" / "equivalent_mutants.toml")
+    if arguments.known:
+        outcomes = campaign.known(planned, verdicts)
+    else:
+        outcomes = _tried(planned, verdicts, total, equivalent, arguments)
     table = campaign.markdown(outcomes, equivalent, arguments.seed, total)
     print(table)
     if arguments.docs:
         write_atomically(arguments.docs / "mutation.md", table)
 
 
-def _tried(planned, verdicts: Verdicts, total: int, arguments) -> list[Outcome]:
+def _tried(planned, verdicts: Verdicts, total: int, equivalent, arguments) -> list[Outcome]:
     """The outcomes of all total faults, of which those without a verdict are tried."""
     root, entities = arguments.root.resolve(), campaign.to_try(planned, verdicts)
     print(f"to be tried: {', '.join(entities) or 'none, every verdict still holds'}", flush=True)
@@ -55,4 +58,4 @@ def _tried(planned, verdicts: Verdicts, total: int, arguments) -> list[Outcome]:
         def tell(outcome: Outcome) -> None:
             bar.update()
 
-        return campaign.run(root, planned, arguments.jobs, verdicts, tell, arguments.backend)
+        return campaign.run(root, planned, arguments.jobs, verdicts, tell, equivalent, arguments.backend)

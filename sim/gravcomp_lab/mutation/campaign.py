@@ -1,8 +1,9 @@
 """A campaign over the entities of rtl/: drawn by seed, tried in parallel, told as a table."""
 
+import os
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 from concurrent.futures import as_completed
 from pathlib import Path
 
@@ -24,21 +25,25 @@ from gravcomp_lab.mutation.trial import (
 from gravcomp_lab.mutation.verdicts import Verdicts, file_of
 from gravcomp_lab.synthesis.verilog import handwritten_sources
 
-TIMEOUT_S = 900.0
+# Of the quick tests of a fault, and of its slow ones: without a failure by then there is no verdict. Of one
+# test, after which it has failed: four times what the longest takes.
+TIMEOUT_S, TEST_TIMEOUT_S = 900.0, 400.0
+_OPEN = (SURVIVED, TIMEOUT)
 
 INTRODUCTION = """\
 # Mutation tests
 
 Written by `make mutate`. Each mutant is the VHDL with one small fault: an operator, a constant, a bit, a condition, a
-comparison, a width, a sign, or an assignment that is gone. Mutants are drawn by seed; the share of an entity goes with
-the square root of the faults that fit into it; what GHDL does not analyse or elaborate is not counted. The tests in
-which the entity runs follow each other, those first that caught its faults before, then its own, those of gc_core and
-the tops last, then the proofs, until one fails. A mutant that hangs is caught by the time limit. One that passes the
-first file is compared with the VHDL as it is, as Verilog of gc_serial_system with 1, 4 and 20 lanes, with and without
-loading, and with every guard; an entity that is in none of these, by itself, with its defaults and the generics of its
-proofs: the same netlist, or modules that Yosys proves equal, change nothing, and no further test is run. Verdicts are
-kept in `mutation.csv`; a fault is tried again when its entity, the tests that its verdict rests on, or the tool have
-changed.
+comparison, a width, a sign, or an assignment that is gone. Mutants are drawn by seed; the share of an entity goes
+with the square root of the faults that fit into it; what GHDL does not analyse or elaborate is not counted. The tests
+in which the entity runs follow each other, those first that caught its faults before, then its own, those of gc_core
+and the tops last, then the proofs, until one fails. A test that hangs fails by its time limit; where all pass for 15
+min, there is no verdict. One that passes the first file is compared with the VHDL as it is, as Verilog of
+gc_serial_system with 1, 4 and 20 lanes, with and without loading, and with every guard; an entity that is in none of
+these, by itself, with its defaults and the generics of its proofs: the same netlist, or modules that Yosys proves
+equal, change nothing, and no further test is run. One that is argued to change nothing is tried on the files alone
+that caught others of its entity. Verdicts are kept in `mutation.csv`; a fault is tried again when its entity, the
+tests that its verdict rests on, or the tool have changed.
 """
 
 
@@ -95,10 +100,12 @@ def run(
     jobs: int,
     verdicts: Verdicts,
     on_outcome: Callable[[Outcome], None],
+    argued: Container[tuple[str, str, str]] = (),
     backend: str = "threading",
 ) -> list[Outcome]:
     """Try the mutants of each entity until its share compiled, but those whose verdict still holds; on_outcome sees
-    each one that compiled. Test files that caught faults of the entity, just now too, come first.
+    each one that compiled. Test files that caught faults of the entity, just now too, come first; faults in argued, as
+    reasons has them, are tried on these alone.
     """
     tests = {entity: relevant_tests(entity, root / "rtl", root / "tb") for entity in planned}
     outcomes, every = [], []
@@ -107,8 +114,14 @@ def run(
             equivalence.write_originals(root / "rtl", Path(folder))
 
         def outcome_of(mutant: Mutant, entity: str) -> Outcome:
-            first = _ordered(tests[entity], verdicts.killers(entity))
-            return verdicts.known(mutant) or try_mutant(mutant, root, first, TIMEOUT_S, Path(folder))
+            if outcome := verdicts.known(mutant):
+                return outcome
+            os.environ["PYTEST_TIMEOUT"] = str(TEST_TIMEOUT_S)
+            killers = verdicts.killers(entity)
+            order = _ordered(tests[entity], killers)
+            if _key(mutant) in argued:
+                order = [test for test in order if file_of(test) in killers] or order[:1]
+            return try_mutant(mutant, root, order, TIMEOUT_S, Path(folder))
 
         def start(entity: str):
             return pool.submit(outcome_of, planned[entity][1].pop(0), entity), entity
@@ -144,18 +157,17 @@ def markdown(outcomes: list[Outcome], equivalent: dict[tuple[str, str, str], str
     """Two tables: outcomes by entity, and every survivor with its reason; n_drawn: faults of the draw, tried or not."""
     lines = [
         INTRODUCTION,
-        "| entity | planted | caught | of these by time-out | proven equivalent | survived | of these explained |",
+        "| entity | planted | caught | proven equivalent | survived | no verdict in time | of these two explained |",
         "|---|---|---|---|---|---|---|",
     ]
     for entity in [*sorted({outcome.mutant.entity for outcome in outcomes}), "all"]:
         of_entity = [o for o in outcomes if entity in (o.mutant.entity, "all")]
         n = {result: sum(o.result == result for o in of_entity) for result in (CAUGHT, TIMEOUT, SURVIVED, EQUIVALENT)}
-        n_known = sum(o.result == SURVIVED and _key(o.mutant) in equivalent for o in of_entity)
-        caught = n[CAUGHT] + n[TIMEOUT]
-        counts = len(of_entity), caught, n[TIMEOUT], n[EQUIVALENT], n[SURVIVED], n_known
+        n_known = sum(o.result in _OPEN and _key(o.mutant) in equivalent for o in of_entity)
+        counts = len(of_entity), n[CAUGHT], n[EQUIVALENT], n[SURVIVED], n[TIMEOUT], n_known
         lines += [f"| {entity} | {' | '.join(map(str, counts))} |"]
-    left = sorted((o for o in outcomes if o.result in (SURVIVED, EQUIVALENT)), key=lambda o: o.mutant.name)
-    n_open = sum(o.result == SURVIVED and _key(o.mutant) not in equivalent for o in left)
+    left = sorted((o for o in outcomes if o.result in (*_OPEN, EQUIVALENT)), key=lambda o: o.mutant.name)
+    n_open = sum(o.result in _OPEN and _key(o.mutant) not in equivalent for o in left)
     share = 100 * (1 - n_open / max(len(outcomes), 1))
     lines += ["", f"Seed {seed}; tried: {len(outcomes)} of {n_drawn} faults; caught or equivalent: {share:.1f} %."]
     if len(outcomes) < n_drawn:

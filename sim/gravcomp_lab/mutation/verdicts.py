@@ -10,7 +10,7 @@ from pathlib import Path
 from gravcomp_lab.formal.claims import CLAIMS
 from gravcomp_lab.mutation.kept import Keys, read_lines, write_lines
 from gravcomp_lab.mutation.mutants import Mutant
-from gravcomp_lab.mutation.trial import CAUGHT, Outcome, relevant_tests
+from gravcomp_lab.mutation.trial import CAUGHT, TIMEOUT, Outcome, relevant_tests
 from gravcomp_lab.synthesis.verilog import source_of
 
 _COLUMNS = ("entity", "line", "kind", "good", "bad", "result", "test", "seconds", "key")
@@ -41,8 +41,8 @@ class Verdicts:
         return sorted(took, key=lambda file: (-len(took[file]), sum(took[file])))
 
     def keep(self, outcomes: Iterable[Outcome]) -> None:
-        """Write the table with these verdicts, and no others of their entities."""
-        outcomes = list(outcomes)
+        """Write the table with these verdicts, and no others of their entities; a trial whose time was up has none."""
+        outcomes = [outcome for outcome in outcomes if outcome.result != TIMEOUT]
         entities = {outcome.mutant.entity for outcome in outcomes}
         table = {name: line for name, line in self._kept.items() if line["entity"] not in entities}
         for outcome in outcomes:
