@@ -8,7 +8,7 @@ from gravcomp.diagnosis.corrections import Line, Table
 from gravcomp.diagnosis.effects.coulomb_friction import CoulombFriction
 from gravcomp.diagnosis.effects.thermal_drift import ThermalDrift
 from gravcomp.diagnosis.fit import Entry, Fit
-from gravcomp.diagnosis.leftover import drivers, find
+from gravcomp.diagnosis.leftover import drivers, find, unavailable
 from gravcomp.diagnosis.samples.split import block_labels
 from measured_samples import holds, motion
 
@@ -59,6 +59,14 @@ def test_noise_has_no_structure(data):
 def test_few_samples_are_not_asked():
     few = holds(399, 1)
     assert left_in(few, {2: 5 * np.sign(few.q[:, 0])}) == []
+    assert unavailable(few, np.arange(399), block_labels(few, 0)) == "399 samples to train on, 400 are needed"
+
+
+def test_few_blocks_are_not_asked():
+    blocks = np.arange(600) // 200
+    assert find(HOLDS, np.ones(HOLDS.shape), np.arange(600), blocks, NOISE, 0) == []
+    assert "fewer than 4" in unavailable(HOLDS, np.arange(600), blocks)
+    assert unavailable(HOLDS, np.arange(600), block_labels(HOLDS, 0)) == ""
 
 
 def entry_of(candidate, parameters):

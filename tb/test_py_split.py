@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gravcomp.diagnosis.samples.split import TEST_SHARE, block_labels, held_out
+from gravcomp.diagnosis.samples.split import TEST_SHARE, block_labels, folds, held_out
 from gravcomp.errors import InputError
-from measured_samples import holds, motion
+from measured_samples import holds, motion, sampled
 
 DATA = {"motion": motion(1000), "few in motion": motion(60), "holds": holds(400, 1), "few holds": holds(40, 2)}
 every_data = pytest.mark.parametrize("data", DATA.values(), ids=DATA)
@@ -49,6 +49,35 @@ def test_scattered_holds_part_by_pose_and_not_by_time():
     parted = is_test[is_test] != is_test[distance.argmin(axis=1)][is_test]
     print(f"MEASURED nearest pose of a held-out hold is a training hold in {100 * parted.mean():.0f} %")
     assert parted.mean() < 0.5 * (1 - TEST_SHARE)  # by chance 75 %
+
+
+def test_holds_and_motion_of_one_log_have_blocks_of_their_own():
+    """A motion in a corner of where the holds are: as one cluster of poses it would be on one side, whole."""
+    apart, near = holds(175, 3), motion(525)
+    shrink = 0.05
+    data = sampled(
+        np.append(apart.t_s, apart.t_s[-1] + 2.0 + near.t_s),
+        np.vstack([apart.q, shrink * near.q]),
+        np.vstack([apart.v, shrink * near.v]),
+    )
+    is_motion = data.is_motion
+    assert np.count_nonzero(is_motion[175:]) > 500
+    assert not is_motion[:175].any()
+    blocks = block_labels(data, 0)
+    assert not set(blocks[is_motion]) & set(blocks[~is_motion])
+    assert (np.diff(blocks[is_motion]) >= 0).all()
+    assert np.bincount(blocks[is_motion]).max() <= 30
+    for seed in range(10):
+        is_test = split(data, seed)
+        assert 0.0 < is_test[is_motion].mean() < 0.5
+
+
+def test_folds_leave_blocks_whole_and_too_few_blocks_have_none():
+    blocks = np.repeat(np.arange(4), [5, 3, 9, 2])
+    parts = folds(blocks)
+    assert sorted(np.concatenate([test for _, test in parts])) == list(range(19))
+    assert all(not set(blocks[train]) & set(blocks[test]) for train, test in parts)
+    assert folds(np.minimum(blocks, 2)) == []
 
 
 @every_data

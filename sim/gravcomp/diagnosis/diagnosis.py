@@ -116,7 +116,7 @@ def diagnose(data: Measurement, model: Model, seed: int = 0, holdout: str = "blo
         noise_floor=_noise_floor(after[train], use[train], fit),
         noise=noise,
         over_noise=over_noise,
-        untestable=_untestable(data),
+        untestable=_untestable(data, rows, blocks),
         left=left,
         left_out=left_out,
         notes=(*checked.notes, *left_aside, *notes),
@@ -271,8 +271,9 @@ class _Found:
         return [self.criterion.terms[k] for k in sorted(self.choice.members - effects)]
 
 
-def _untestable(data: Measurement) -> dict[str, str]:
+def _untestable(data: Measurement, rows: np.ndarray, blocks: np.ndarray) -> dict[str, str]:
     why = {kind.name: kind().unavailable(data) for kind in reversed(EFFECTS)}
+    why["whether what is left follows a variable"] = leftover.unavailable(data, rows, blocks)
     return {name: reason for name, reason in why.items() if reason}
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 from sklearn.ensemble import ExtraTreesRegressor
 from sklearn.inspection import permutation_importance
-from sklearn.model_selection import GroupKFold
 
 from gravcomp.diagnosis.candidate import variables
 from gravcomp.diagnosis.fit import Fit
+from gravcomp.diagnosis.samples.split import folds
 from gravcomp.diagnosis.shares import along
 from gravcomp.diagnosis.thresholds import FOLDS, LEFT_R2, LEFT_SAMPLES, LEFT_SAMPLES_USED, LEFT_SHARE, TINY
 
@@ -17,8 +17,8 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     Random trees over all variables, cross-validated by blocks; it counts when they predict more than 5 % of the
     variance on average, some in every fold, and the mean is four standard errors above zero.
     """
-    rows = rows[~data.is_undecided[rows].any(axis=1)]
-    if len(rows) < LEFT_SAMPLES:
+    rows = _decided(data, rows)
+    if unavailable(data, rows, blocks):
         return []
     rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), LEFT_SAMPLES_USED)).astype(int)]
     names = variables(data)
@@ -27,7 +27,7 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     for axis in range(data.n_axes):
         y = np.clip(after[rows, axis], -4 * noise[axis], 4 * noise[axis])
         gains, importance = [], np.zeros(len(names))
-        for train, test in GroupKFold(FOLDS).split(x, y, blocks[rows]):
+        for train, test in folds(blocks[rows]):
             model = ExtraTreesRegressor(40, min_samples_leaf=10, random_state=seed).fit(x[train], y[train])
             gains.append(1.0 - np.mean((y[test] - model.predict(x[test])) ** 2) / np.var(y[test]))
             if gains[-1] <= 0:
@@ -38,6 +38,20 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
             top = int(importance.argmax())
             out.append({"axis": axis + 1, "variable": names[top], "share": float(np.mean(gains))})
     return out
+
+
+def unavailable(data, rows, blocks) -> str:
+    """Why what is left in these rows can't be looked at for structure; "" where it can."""
+    rows = _decided(data, rows)
+    if len(rows) < LEFT_SAMPLES:
+        return f"{len(rows)} samples to train on, {LEFT_SAMPLES} are needed"
+    if not folds(blocks[rows]):
+        return f"the samples to train on are from fewer than {FOLDS} stretches of time or clusters of poses"
+    return ""
+
+
+def _decided(data, rows) -> np.ndarray:
+    return rows[~data.is_undecided[rows].any(axis=1)]
 
 
 def drivers(data, use, before, after, fit: Fit, left) -> list[dict]:

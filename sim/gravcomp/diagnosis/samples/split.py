@@ -2,12 +2,14 @@
 
 import numpy as np
 from sklearn.cluster import KMeans
+from sklearn.model_selection import GroupKFold
 
 from gravcomp.diagnosis.thresholds import (
     BLOCK_ROWS,
     BLOCKS,
     CLUSTER_ROWS,
     FEWEST_PLACES,
+    FOLDS,
     MOST_HELD_OUT,
     MOSTLY_HOLDS,
     REPEATED,
@@ -18,19 +20,42 @@ from gravcomp.logs.measurement import Measurement
 
 
 def block_labels(data: Measurement, seed: int) -> np.ndarray:
-    """Block of each sample, (n,): stretches of time where poses follow each other, else clusters of poses.
+    """Block of each sample, (n,): stretches of time where poses follow each other, else clusters of poses; in a log of
+    both, holds and motion have blocks of their own.
 
     Rows of one pose are in one block; where there are too few poses to hold any out, blocks are stretches of time.
     """
     n = len(data.t_s)
-    poses, of, count = np.unique(data.poses, axis=0, return_inverse=True, return_counts=True)
+    poses = np.unique(data.poses, axis=0)
     is_repeated = len(poses) < REPEATED * n and data.is_motion.mean() < MOSTLY_HOLDS
     if (data.is_ordered and not is_repeated) or len(poses) < 2 * FEWEST_PLACES:
-        return (np.arange(n) * int(np.clip(n // BLOCK_ROWS, *BLOCKS))) // n
+        return _stretches(n)
+    moving = data.is_motion & (data.is_motion.mean() >= MOSTLY_HOLDS)
+    labels = np.zeros(n, int)
+    labels[moving] = _stretches(np.count_nonzero(moving))
+    if not moving.all():
+        labels[~moving] = labels.max() + 1 + _clusters(data.poses[~moving], seed)
+    return labels
+
+
+def _stretches(n: int) -> np.ndarray:
+    return (np.arange(n) * int(np.clip(n // BLOCK_ROWS, *BLOCKS))) // max(n, 1)
+
+
+def _clusters(rows: np.ndarray, seed: int) -> np.ndarray:
+    """Cluster of each of some rows of positions (n, k)."""
+    poses, of, count = np.unique(rows, axis=0, return_inverse=True, return_counts=True)
     scale = np.where(np.ptp(poses, axis=0) > 0, np.ptp(poses, axis=0), 1.0)
-    n_clusters = min(int(np.clip(n // CLUSTER_ROWS, *BLOCKS)), len(poses) // 2)
+    n_clusters = max(min(int(np.clip(len(rows) // CLUSTER_ROWS, *BLOCKS)), len(poses) // 2), 1)
     own = KMeans(n_clusters, n_init=1, random_state=seed).fit_predict(poses / scale, sample_weight=count)
     return own[of.ravel()]
+
+
+def folds(blocks: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Samples (train, test) of a cross-validation that leaves blocks (n,) whole; none where there are too few."""
+    if len(np.unique(blocks)) < FOLDS:
+        return []
+    return list(GroupKFold(FOLDS).split(blocks, groups=blocks))
 
 
 def held_out(data: Measurement, blocks: np.ndarray, seed: int, rule: str = "blocks") -> np.ndarray:

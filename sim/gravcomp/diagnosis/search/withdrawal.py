@@ -1,11 +1,11 @@
 """Terms that do not hold where they were not fitted are withdrawn: cross-validation within the training."""
 
 import numpy as np
-from sklearn.model_selection import GroupKFold
 
 from gravcomp.diagnosis.candidate import Term
+from gravcomp.diagnosis.samples.split import folds
 from gravcomp.diagnosis.search.gram import pseudo_inverse
-from gravcomp.diagnosis.thresholds import FOLDS, TINY
+from gravcomp.diagnosis.thresholds import TINY
 from gravcomp.logs.measurement import Measurement
 
 
@@ -19,7 +19,8 @@ def confirmed(
     effects among themselves, as corrections may imitate any of them, then corrections beside the effects that stay.
     """
     terms = [*effects, *corrections]
-    if not terms or len(np.unique(blocks[rows])) < FOLDS:
+    parts = [test for _, test in folds(blocks[rows])]
+    if not terms or not parts:
         return effects, corrections
     weight = (~data.is_undecided[rows] & ~left_out) / np.maximum(noise, TINY)
     sizes = [len(term.labels) for term in terms]
@@ -27,9 +28,8 @@ def confirmed(
     y = residual[rows] * weight
     x = x / np.maximum(np.sqrt(np.mean(x**2, axis=(0, 1))), TINY)
     place = np.split(np.arange(x.shape[-1]), np.cumsum(sizes)[:-1])
-    folds = [test for _, test in GroupKFold(FOLDS).split(x, groups=blocks[rows])]
-    grams = [np.einsum("nka,nkb->ab", x[test], x[test]) for test in folds]
-    crosses = [np.einsum("nka,nk->a", x[test], y[test]) for test in folds]
+    grams = [np.einsum("nka,nkb->ab", x[test], x[test]) for test in parts]
+    crosses = [np.einsum("nka,nk->a", x[test], y[test]) for test in parts]
 
     def error(members) -> float:
         """Sum of squares where it was not fitted, less a constant."""
