@@ -12,13 +12,13 @@ warnings="--warn-error --warn-library --warn-binding --warn-reserved --warn-dela
 common=../boards/common
 boards="$common/gc_pll.vhd $common/gc_power_on.vhd $common/gc_desk_axis.vhd $common/gc_board.vhd
     ../boards/ulx3s/ulx3s.vhd ../boards/colorlight_i5/colorlight_i5.vhd ../boards/arty_a7/arty_a7.vhd
-    ../boards/de10_nano/de10_nano.vhd"
+    ../boards/de10_nano/de10_nano.vhd ../boards/tang-nano/tang_nano_20k.vhd"
 
 # shellcheck disable=SC2086
 {
     ghdl -a $options $warnings $(cat sources.f)
     ghdl -a $options $warnings $boards
-    for top in ulx3s colorlight_i5 arty_a7 de10_nano; do
+    for top in ulx3s colorlight_i5 arty_a7 de10_nano tang_nano_20k; do
         ghdl --synth $options --out=none $top >"$work/$top.log" 2>&1 || { cat "$work/$top.log" >&2; exit 1; }
     done
     ghdl -a $options $warnings ../tb/hdl/*.vhd

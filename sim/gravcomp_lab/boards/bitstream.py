@@ -1,9 +1,9 @@
-"""From a machine folder and a board to a bitstream: GHDL, Yosys, nextpnr and ecppack, each checked."""
+"""From a machine folder and a board to a bitstream: GHDL, Yosys, nextpnr and a packer, each checked."""
 
 import json
-import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isclose
 from pathlib import Path
 
 from tqdm import tqdm
@@ -11,12 +11,14 @@ from tqdm import tqdm
 from gravcomp.errors import InputError
 from gravcomp.robot.machine import load_machine
 from gravcomp_lab.boards.board import BoardPart
-from gravcomp_lab.synthesis.place_route import CONFIG, run_nextpnr, run_tool
-from gravcomp_lab.synthesis.survey import MULTIPLIER, machine_sources
+from gravcomp_lab.boards.ecp5 import ECP5
+from gravcomp_lab.boards.gowin import GOWIN
+from gravcomp_lab.synthesis.survey import machine_sources
 from gravcomp_lab.synthesis.verilog import to_verilog
 from gravcomp_lab.synthesis.yosys import synthesise
 
 STEPS = ("ROM", "Verilog", "netlist", "place and route", "pack", "unpack")
+FAMILIES = {"ecp5": ECP5, "gowin": GOWIN}
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,9 @@ def build(board: BoardPart, weights: Path, rtl: Path, out: Path, *, selftest: bo
     fails, a clock is missed, or what was packed is not what was placed; there is no bitstream then.
     """
     _check_machine(board, weights)
+    family = FAMILIES[board.family]
     out.mkdir(parents=True, exist_ok=True)
-    (packed := out / f"{board.name}.bit").unlink(missing_ok=True)
+    (packed := out / f"{board.name}{family.suffix}").unlink(missing_ok=True)
     with tqdm(total=len(STEPS), unit="step") as bar:
 
         def begin(step: str) -> None:
@@ -59,21 +62,17 @@ def build(board: BoardPart, weights: Path, rtl: Path, out: Path, *, selftest: bo
         generics = {**board.generics, "selftest_g": str(selftest).lower()}
         verilog = to_verilog(sources, board.top, generics, out / "board.v")
         begin("netlist")
-        mapping = (rtl / MULTIPLIER, *board.primitives)
-        netlist = synthesise(verilog, board.top, "ecp5", out, mapping=mapping)
+        mapping = (*(rtl / module for module in family.modules), *board.primitives)
+        netlist = synthesise(verilog, board.top, family.target, out, mapping=mapping)
         begin("place and route")
-        report = run_nextpnr(
-            netlist.json, device=board.device, package=board.package, speed=board.speed, seed=seed, out=out,
-            router="router1", constraints=board.constraints,
-        )  # fmt: skip
-        used, clocks = _report(report)
-        _check_clocks(clocks, out)
+        used, clocks = _report(family.place(board, netlist, seed, out))
+        _check_clocks(board, clocks, out)
         begin("pack")
-        run_tool("ecppack", ["--compress", "--input", CONFIG, "--bit", "board.bit"], out)
+        file = f"board{family.suffix}"
+        family.pack(board, file, out)
         begin("unpack")
-        run_tool("ecpunpack", ["--input", "board.bit", "--textcfg", "unpacked.config"], out)
-        _check_unpacked(out / CONFIG, out / "unpacked.config")
-        (out / "board.bit").replace(packed)
+        family.compare(board, file, out)
+        (out / file).replace(packed)
     return Bitstream(packed, used, clocks)
 
 
@@ -97,7 +96,14 @@ def _report(path: Path) -> tuple[dict[str, tuple[int, int]], tuple[Clock, ...]]:
     return used, tuple(clocks)
 
 
-def _check_clocks(clocks: tuple[Clock, ...], out: Path) -> None:
+def _check_clocks(board: BoardPart, clocks: tuple[Clock, ...], out: Path) -> None:
+    """Raise InputError unless the board's two clocks were timed at what they run at, and reach it."""
+    timed, runs = sorted(clock.asked_mhz for clock in clocks), sorted((board.oscillator_hz / 1e6, board.core_hz / 1e6))
+    if len(timed) != len(runs) or not all(map(_is_rate, timed, runs)):
+        raise InputError(
+            f"{out / 'nextpnr.log'}: clocks of {_rates(timed)} MHz were timed, {board.name} runs at {_rates(runs)}: no "
+            "bitstream; let the constraints name its clocks, and board.toml their rates"
+        )
     for clock in clocks:
         if clock.reached_mhz < clock.asked_mhz:
             raise InputError(
@@ -106,34 +112,9 @@ def _check_clocks(clocks: tuple[Clock, ...], out: Path) -> None:
             )
 
 
-def _check_unpacked(placed: Path, unpacked: Path) -> None:
-    """Raise InputError unless the bitstream holds every LUT, RAM word and flip-flop setting that was placed."""
-    before, after = _settings(placed), _settings(unpacked)
-    if wrong := [place for place, value in before.items() if after.get(place, _erased(place)) != value]:
-        raise InputError(
-            f"{unpacked}: {len(wrong)} of {len(before)} settings are not what was placed, such as {' '.join(wrong[0])}"
-        )
+def _is_rate(timed: float, runs: float) -> bool:
+    return isclose(timed, runs, rel_tol=1e-4)  # a period of whole ps in between
 
 
-def _settings(config: Path) -> dict[tuple[str, str], str]:
-    """Of a textual configuration: tables of LUTs and values that flip-flops begin with, by tile and name; words of
-    block RAMs, by number and row.
-
-    A RAM's own settings are spread over tiles, of which ecpunpack reads one at a time: they cannot be compared.
-    """
-    block, row, found = "", 0, {}
-    for line in config.read_text().splitlines():
-        if line.startswith("."):
-            block, row = line, 0
-        elif block.startswith(".bram_init ") and line:
-            found[block, f"row {row}"] = line
-            row += 1
-        elif own := re.fullmatch(r"(?:word|enum): (\S+\.(?:K\d\.INIT|REG\d\.REGSET)) (\w+)", line):
-            found[block, own[1]] = own[2]
-    return found
-
-
-def _erased(place: tuple[str, str]) -> str | None:
-    """What a setting is that a textual configuration leaves out: that of a chip without a bitstream."""
-    name = place[1]
-    return "1" * 16 if name.endswith(".INIT") else "SET" if name.endswith(".REGSET") else None
+def _rates(mhz: Sequence[float]) -> str:
+    return ", ".join(f"{rate:.1f}" for rate in mhz)

@@ -9,6 +9,8 @@ from gravcomp.errors import InputError
 
 # Every board is made of these, in compile order.
 COMMON = ("gc_pll", "gc_power_on", "gc_desk_axis", "gc_board")
+# By family: what names a part to its tools, see gravcomp_lab.boards.family.
+PART_KEYS = {"ecp5": ("device", "package", "speed"), "gowin": ("device", "chip")}
 
 
 @dataclass(frozen=True)
@@ -16,7 +18,8 @@ class BoardPart:
     """One part of one board: its top entity, files, clocks, and the generics that its part has room for.
 
     primitives: Verilog that takes the place of modules of the same name, with the part's own cells. axes: those that
-    the pins are enough for.
+    the pins are enough for. loader: the board's name for openFPGALoader. family: one of PART_KEYS. part: what names it
+    to the tools of that.
     """
 
     name: str
@@ -27,9 +30,9 @@ class BoardPart:
     oscillator_hz: float
     core_hz: float
     axes: int
-    device: str
-    package: str
-    speed: int
+    loader: str
+    family: str
+    part: Mapping[str, int | str]
     generics: Mapping[str, int | str]
 
 
@@ -41,6 +44,8 @@ def boards(folder: Path) -> dict[str, BoardPart]:
         for part, of_part in entries.get("parts", {}).items():
             name = f"{path.parent.name}-{part}"
             try:
+                if entries["family"] not in PART_KEYS:
+                    raise InputError(f"{path}: family = {entries['family']!r}; take one of {', '.join(PART_KEYS)}")
                 found[name] = _board(name, path.parent, entries, of_part)
             except KeyError as missing:
                 raise InputError(f"{path}: no key {missing.args[0]}; see the other boards") from None
@@ -60,8 +65,8 @@ def _board(name: str, folder: Path, entries: dict, part: dict) -> BoardPart:
         oscillator_hz=entries["oscillator_hz"],
         core_hz=entries["core_hz"],
         axes=entries["axes"],
-        device=part["device"],
-        package=part["package"],
-        speed=part["speed"],
+        loader=entries["loader"],
+        family=entries["family"],
+        part={key: part[key] for key in PART_KEYS[entries["family"]]},
         generics={key: str(value).lower() for key, value in part["generics"].items()},
     )

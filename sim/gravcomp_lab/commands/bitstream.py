@@ -34,4 +34,4 @@ def run(arguments):
     print("\n| clock | runs at | could run at |\n|---|---|---|")
     for clock in made.clocks:
         print(f"| {clock.name} | {clock.asked_mhz:.1f} MHz | {clock.reached_mhz:.1f} MHz |")
-    print(f"\nseed {arguments.seed}; {made.file}: load it with `openFPGALoader --board {board.top} {made.file}`")
+    print(f"\nseed {arguments.seed}; {made.file}: load it with `openFPGALoader --board {board.loader} {made.file}`")

