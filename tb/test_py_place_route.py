@@ -7,6 +7,7 @@ import pytest
 from gravcomp.errors import InputError
 from gravcomp_lab.boards.bitstream import FAMILIES, _check_clocks, _report
 from gravcomp_lab.boards.board import boards
+from gravcomp_lab.synthesis.place_route import run_tool
 from gravcomp_lab.synthesis.yosys import synthesise
 from runner import ROOT
 
@@ -76,6 +77,12 @@ def test_run_is_repeated_only_where_something_changed(tmp_path):
     (out / "placed.config").unlink()
     assert place(faster, netlist, 1, out).stat().st_mtime_ns != first  # a result is gone: made again
     assert (out / "placed.config").exists()
-    with pytest.raises(InputError, match="nextpnr-ecp5: "):
+    with pytest.raises(InputError, match=r"nextpnr-ecp5: IO pin 'clk_25mhz.*' constrained to pin 'ZZ99', which does"):
         place(with_pins("G2", "ZZ99"), netlist, 1, out)
     assert not (out / "options.txt").exists()  # what failed is no result
+
+
+def test_tool_that_fails_is_quoted_with_the_cause(tmp_path):
+    """A tool of Python's ends its messages with the exception; nextpnr's cause is looked at above."""
+    with pytest.raises(InputError, match=r"gowin_pack: .*No such file.*absent.json.*; see "):
+        run_tool("gowin_pack", ["-d", "GW2A-18C", "-o", "board.fs", "absent.json"], tmp_path)

@@ -141,5 +141,10 @@ def run_tool(name: str, arguments: Sequence[str], folder: Path) -> None:
     except FileNotFoundError:
         raise InputError(f"{program}: not found; start `make setup`") from None
     if done.returncode:
-        message = (done.stderr.strip() or "no message").splitlines()[-1]
-        raise InputError(f"{name.removeprefix('yowasp-')}: {message}; see {folder}")
+        raise InputError(f"{name.removeprefix('yowasp-')}: {_cause(done.stderr)}; see {folder}")
+
+
+def _cause(messages: str) -> str:
+    """The first error among a tool's messages: nextpnr ends with their number, Python with the exception itself."""
+    lines = messages.strip().splitlines() or ["no message"]
+    return next((line.removeprefix("ERROR: ").rstrip(".") for line in lines if line.startswith("ERROR: ")), lines[-1])
