@@ -67,6 +67,8 @@ class Claim:
 
 CLAIMS = (
     *(Claim("glitch_filter", "gc_glitch_filter", {"samples_g": n}, {"SAMPLES": n}) for n in (1, 2, 4, 5)),
+    *(Claim("glitch_sample", "gc_glitch_filter", {"samples_g": n}, {"SAMPLES": n}) for n in (0, 4)),
+    Claim("synchronizer", "gc_synchronizer", {"width_g": 3, "stages_g": 3}, {"WIDTH": 3, "STAGES": 3}),
     Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 0, "speed_timeout_g": 20}, {"SAMPLES": 0}),
     Claim("quad_decoder", "gc_quad_decoder", {"filter_samples_g": 4}, {"SAMPLES": 4}),
     Claim("edge_watch", "gc_edge_watch", SMALL, {name.removesuffix("_g").upper(): n for name, n in SMALL.items()}),
@@ -88,7 +90,10 @@ CLAIMS = (
     Claim("safety", "gc_safety", {"two_paths_g": "true"}, STATES | CAUSES),
     Claim("parity_guard", "gc_parity_guard", {"width_g": 5}, {"BITS": 5}),
     Claim("timeout", "gc_timeout", {"bits_g": 4, "guard_g": "true"}, {"BITS": 4}),
+    Claim("fault_latch", "gc_fault_latch", {"guard_g": "true"}, {"CAUSES": len(Cause), "POSITION": 3 * COUNT_BITS}),
+    Claim("brake_sequencer", "gc_brake_sequencer", {"guard_g": "true"}, STATES),
     Claim("brake_permit", "gc_brake_permit"),
+    Claim("brake_permit_guard", "gc_brake_permit", {"guard_g": "true"}),
     Claim("brake_test", "gc_brake_test", {"guard_g": "true"}),
     Claim("brake_feedback", "gc_brake_feedback", {"guard_g": "true"}),
     Claim("brakes", "gc_brakes", dict.fromkeys(("two_paths_g", "feedback_g", "test_g", "guard_g"), "true"), STATES),
@@ -124,7 +129,12 @@ CLAIMS = (
     Claim("modbus", "gc_modbus", {"gap_clocks_g": 2, "bus_clocks_g": 3}, cuts=("fetched",), induction=1),
     Claim("lockstep", "gc_lockstep", {"bits_g": 4}, {"BITS": 4}),
     Claim("register_split", "gc_register_split", induction=1),
+    # What a register holds matters to no access, but to one setting.
+    Claim(
+        "motion_bus_access", "gc_motion_bus", {"record_bits_g": 5}, {"ANSWER": 4}, cuts=("i_registers.cpuif_rd_data",)
+    ),
     Claim("motion_bus", "gc_motion_bus", {"record_bits_g": 5}),
+    Claim("motion_current", "gc_motion", {"record_bits_g": 5}, {"AXES": 3}, induction=1),
     Claim(
         "motion",
         "gc_motion",
