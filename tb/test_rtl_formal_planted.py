@@ -121,6 +121,26 @@ PLANTED = [
          "counts_what_it_counted"),
     ]),
     ("timeout", "gc_timeout", [("quiet < cfg_clocks", "quiet <= cfg_clocks", "expires_after_the_limit")]),
+    ("safety_told", "gc_safety", [
+        ("in_count    => count_1,", "in_count    => in_count,", "position_is_that_of_the_first_cause"),
+    ]),
+    ("safety_told", "gc_fault_latch", [
+        ("in_count when is_first = '1' else", "in_count when in_fault /= no_causes_c else",
+         "position_is_kept_till_the_next_first_cause"),
+    ]),
+    ("safety_told", "gc_brake_feedback", [
+        ("out_feedback <= level", "out_feedback <= told", "read_back_is_told_two_clocks_later"),
+    ]),
+    ("recorder_trigger", "gc_recorder", [
+        ("          triggered <= '0';", "          triggered <= triggered;",
+         "trigger_is_kept_till_recording_begins_anew"),
+    ]),
+    ("uart_receiving", "gc_uart", [
+        ("receiving <= was_high and not level;", "receiving <= was_high;", "reception_begins_as_the_line_falls"),
+        ("            receiving <= '0';\n            rx_valid", "            rx_valid",
+         "character_comes_as_its_reception_ends"),
+        ("        receiving <= '0';\n        rx_valid", "        rx_valid", "reset_ends_a_reception"),
+    ]),
     ("fault_latch", "gc_fault_latch", [
         ("sts_fault and not in_clear", "sts_fault and in_clear", "latch_forgets_what_is_cleared_alone"),
         ("is_first = '1' else\n                first_cause", "is_first = '1' else\n                in_fault",

@@ -88,6 +88,7 @@ CLAIMS = (
     Claim("output_saturation", "gc_output_scaler"),
     Claim("force_saturation", "gc_compensator", parameters={"TOTAL_BITS": FRICTION_BITS + 1}),
     Claim("safety", "gc_safety", {"two_paths_g": "true"}, STATES | CAUSES),
+    Claim("safety_told", "gc_safety", {"brake_feedback_g": "true"}),
     Claim("parity_guard", "gc_parity_guard", {"width_g": 5}, {"BITS": 5}),
     Claim("timeout", "gc_timeout", {"bits_g": 4, "guard_g": "true"}, {"BITS": 4}),
     Claim("fault_latch", "gc_fault_latch", {"guard_g": "true"}, {"CAUSES": len(Cause), "POSITION": 3 * COUNT_BITS}),
@@ -102,6 +103,7 @@ CLAIMS = (
     Claim("setpoint", "gc_setpoint", {"axes_g": 1}),
     Claim("servo", "gc_servo", {"axes_g": 1}, induction=1),
     Claim("recorder", "gc_recorder", {"axes_g": 1, "address_bits_g": 4}),
+    Claim("recorder_trigger", "gc_recorder", {"axes_g": 1, "address_bits_g": 4}),
     *(
         Claim("pwm", "gc_pwm", {"clocks_g": 6, "dead_g": 2, "two_pins_g": two}, {"DEAD": 2, "TWO": int(two == "true")})
         for two in ("false", "true")
@@ -124,6 +126,7 @@ CLAIMS = (
         for parity, bits, odd in ((0, 10, 0), (1, 11, 1), (2, 11, 0))
     ),
     Claim("uart_received", "gc_uart", {"clock_hz_g": 8, "baud_g": 1}),
+    Claim("uart_receiving", "gc_uart", {"clock_hz_g": 8, "baud_g": 1}),
     Claim("biss", "gc_biss", BISS, dict(zip(("BITS", "HALF", "PERIODS", "REST"), BISS.values(), strict=True))),
     Claim("adc_spi", "gc_adc_spi", ADC, {"HALF": ADC["half_clocks_g"], "GAP": ADC["gap_clocks_g"]}),
     Claim("modbus", "gc_modbus", {"gap_clocks_g": 2, "bus_clocks_g": 3}, cuts=("fetched",), induction=1),
