@@ -69,6 +69,15 @@ def test_few_blocks_are_not_asked():
     assert unavailable(HOLDS, np.arange(600), block_labels(HOLDS, 0)) == ""
 
 
+def test_a_block_of_which_no_sample_is_used_is_none():
+    """Of 6000 samples 2500 at equal distances are used: not this one."""
+    data = motion(6000)
+    blocks = np.arange(6000) // 2000
+    blocks[3001] = 3
+    assert find(data, np.ones(data.shape), np.arange(6000), blocks, NOISE, 0) == []
+    assert "fewer than 4" in unavailable(data, np.arange(6000), blocks)
+
+
 def entry_of(candidate, parameters):
     named = {Parameter.parse(name): value for name, value in parameters.items()}
     return Entry(Term(candidate, tuple(named)), named, {}, 0.0)

@@ -4,6 +4,7 @@ import shutil
 
 import pytest
 
+from gravcomp.errors import InputError
 from gravcomp_lab.mutation import campaign, equivalence, trial
 from gravcomp_lab.mutation.campaign import markdown, plan, reasons, to_try
 from gravcomp_lab.mutation.equivalence import proof, write_originals
@@ -21,6 +22,7 @@ from gravcomp_lab.mutation.trial import (
 )
 from gravcomp_lab.mutation.verdicts import Verdicts
 from gravcomp_lab.synthesis.verilog import source_of
+from gravcomp_lab.synthesis.yosys import run_passes
 from runner import ROOT
 
 VHDL = """\
@@ -113,6 +115,11 @@ def test_time_limit_ends_an_elaboration(monkeypatch):
 
 def test_time_limit_ends_the_tests(tmp_path):
     assert run_tests(ROOT, ROOT / "rtl", tmp_path, ["test_rtl_delay.py"], 0.1) == (TIMEOUT, "")
+
+
+def test_time_limit_ends_yosys(tmp_path):
+    with pytest.raises(InputError, match=r"not done in 0\.2 s"):
+        run_passes(["exec -- sleep 30"], tmp_path / "yosys.log", 0.2)
 
 
 def test_table_explains_a_survivor_by_its_line():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gravcomp.diagnosis.diagnosis import diagnose
+from gravcomp.errors import InputError
 from gravcomp.prototype.experiment import measure
 from gravcomp.prototype.imperfections import CoulombFriction
 from gravcomp_lab.blind import from_prototype
@@ -230,6 +231,25 @@ def test_log_without_a_repeat_is_measured_again(monkeypatch, tmp_path):
     path.write_bytes(b"")
     assert from_prototype.measure_case(tmp_path, "clean", 3).read_bytes() == whole
     assert from_prototype.open_seal(path).unrepeated.shape == (20, 3)
+
+
+def test_a_way_that_the_servo_cannot_follow_is_drawn_anew(monkeypatch, tmp_path):
+    """Poses and motion of one seed lose the UR5 whatever its effects are: other effects alone are no way out."""
+    monkeypatch.setitem(from_prototype.POINTS, "static", 30)
+    monkeypatch.setattr("gravcomp_lab.blind.from_prototype.MODES", ("static",))
+    ways = []
+
+    def lost_on_the_first(robot, effects, points, seed, **how):
+        ways.append(seed)
+        if seed == 3:
+            raise InputError("the PID can't follow this motion")
+        return measure(robot, effects, points, seed, **how)
+
+    monkeypatch.setattr(from_prototype, "measure", lost_on_the_first)
+    path = from_prototype.measure_case(tmp_path, "clean", 3)
+    assert ways[0] == 3
+    assert ways[1] == ways[2] != 3
+    assert len(from_prototype.read_case(path).t_s) == 30
 
 
 def test_two_passes_of_a_machine_with_friction_are_not_equal():

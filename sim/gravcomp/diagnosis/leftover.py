@@ -17,10 +17,9 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     Random trees over all variables, cross-validated by blocks; it counts when they predict more than 5 % of the
     variance on average, some in every fold, and the mean is four standard errors above zero.
     """
-    rows = _decided(data, rows)
     if unavailable(data, rows, blocks):
         return []
-    rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), LEFT_SAMPLES_USED)).astype(int)]
+    rows = _used(data, rows)
     names = variables(data)
     x = np.column_stack([name.of(data)[rows] for name in names])
     out = []
@@ -42,7 +41,7 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
 
 def unavailable(data, rows, blocks) -> str:
     """Why what is left in these rows can't be looked at for structure; "" where it can."""
-    rows = _decided(data, rows)
+    rows = _used(data, rows)
     if len(rows) < LEFT_SAMPLES:
         return f"{len(rows)} samples to train on, {LEFT_SAMPLES} are needed"
     if not folds(blocks[rows]):
@@ -50,8 +49,10 @@ def unavailable(data, rows, blocks) -> str:
     return ""
 
 
-def _decided(data, rows) -> np.ndarray:
-    return rows[~data.is_undecided[rows].any(axis=1)]
+def _used(data, rows) -> np.ndarray:
+    """Rows without an undecided effort; of very many those at equal distances."""
+    rows = rows[~data.is_undecided[rows].any(axis=1)]
+    return rows[np.linspace(0, len(rows) - 1, min(len(rows), LEFT_SAMPLES_USED)).astype(int)]
 
 
 def drivers(data, use, before, after, fit: Fit, left) -> list[dict]:

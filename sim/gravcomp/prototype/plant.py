@@ -114,7 +114,9 @@ class Plant:
         """Raise InputError when the PID has lost the robot."""
         has_diverged = any(warning.number for warning in self.engine.data.warning)
         if has_diverged or not np.all(np.abs(self._last) < _LARGEST_ERROR_M * self.sizes.position):
-            raise InputError("the PID can't move the prototype with these effects; make them smaller")
+            raise InputError(
+                "the PID can't follow this motion with these effects; make them smaller or take another seed"
+            )
 
     def _reset_effects(self) -> None:
         for effect in self.effects:

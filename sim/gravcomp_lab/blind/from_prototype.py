@@ -54,10 +54,11 @@ def measure_case(folder: Path, kind: str, seed: int, machine: str = "spheiro") -
     robot = shipped_machine(machine)
     rng = np.random.default_rng([CASES.index(kind), seed, 7])
     mode = str(rng.choice(MODES))
-    for _ in range(_TRIES):
+    for k in range(_TRIES):
+        way = seed + (k << 32)  # poses and motion are others, too: those of a seed may be what the PID cannot do
         try:
-            log = measure(robot, _draw(kind, mode, rng), POINTS[mode], seed, mode=mode)
-            again = measure(robot, log.effects, POINTS[mode], seed, mode=mode, beside_counts=_BESIDE)
+            log = measure(robot, _draw(kind, mode, rng), POINTS[mode], way, mode=mode)
+            again = measure(robot, log.effects, POINTS[mode], way, mode=mode, beside_counts=_BESIDE)
         except InputError:  # too much for the PID, as it would be for the machine
             continue
         beyond, repeated = (own.effort - robot.robot.forces(own.q) for own in (log, again))

@@ -170,9 +170,11 @@ def shortest_run(verilog: Path, checker: Path, out: Path, parameters: Mapping[st
     return int(found[1]) + 1
 
 
-def write_miter(gold: Path, gate: Path, top: str, out: Path, *, from_zero: bool = False) -> Path:
+def write_miter(
+    gold: Path, gate: Path, top: str, out: Path, *, from_zero: bool = False, timeout_s: float | None = None
+) -> Path:
     """The graph in which an output tells that a port of a module differs between two Verilog files, run from power-up
-    on the same inputs; for differs_soon and same_at_ports. Raises InputError when Yosys fails.
+    on the same inputs; for differs_soon and same_at_ports. Raises InputError when Yosys fails, or takes longer.
 
     from_zero: registers without a value at power-up begin with 0; otherwise with any, in each of the two.
     """
@@ -184,7 +186,8 @@ def write_miter(gold: Path, gate: Path, top: str, out: Path, *, from_zero: bool 
     passes += [f"design -copy-from {name} {name}" for name in ("gold", "gate")]
     passes += ["miter -equiv -flatten -make_assert gold gate miter", "hierarchy -top miter"]
     passes += _TO_GRAPH.format(cuts="", clocks=_ONE_CLOCK).split("; ")
-    run_passes([*passes, f"write_aiger -I -B -zinit -no-startoffset {graph.name}"], graph.with_suffix(".log"))
+    passes += [f"write_aiger -I -B -zinit -no-startoffset {graph.name}"]
+    run_passes(passes, graph.with_suffix(".log"), timeout_s)
     return graph
 
 

@@ -99,7 +99,7 @@ def _proof(originals: Path, library: str, entity: str, work: Path) -> str:
         if differing and is_package:
             return ""
         for module in [module for module in differing if module not in proven]:
-            miter = write_miter(original, changed, module, work)
+            miter = write_miter(original, changed, module, work, timeout_s=TIMEOUT_S)
             same_start = _initial(gold[module]) == _initial(gate[module])
             if differs_soon(miter, BMC_TIMEOUT_S):
                 return ""

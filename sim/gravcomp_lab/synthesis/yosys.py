@@ -114,13 +114,18 @@ def _ports(read: Sequence[str], top: str, out: Path) -> Ports:
     return {name: (port["direction"], len(port["bits"])) for name, port in ports.items()}
 
 
-def run_passes(passes: Sequence[str], log: Path) -> None:
-    """Run Yosys on a list of its commands in the folder of log; raises InputError when it fails."""
+def run_passes(passes: Sequence[str], log: Path, timeout_s: float | None = None) -> None:
+    """Run Yosys on a list of its commands in the folder of log; raises InputError when it fails, or takes longer."""
     script = log.with_suffix(".ys")
     script.write_text("\n".join(passes) + "\n")
     with log.open("w") as file:
         command = [sys.executable, "-c", RUNNER, script.name]
-        done = subprocess.run(command, cwd=log.parent, stdout=file, stderr=subprocess.STDOUT, check=False)
+        try:
+            done = subprocess.run(
+                command, cwd=log.parent, stdout=file, stderr=subprocess.STDOUT, check=False, timeout=timeout_s
+            )
+        except subprocess.TimeoutExpired:
+            raise InputError(f"yosys: not done in {timeout_s:g} s; see {log}") from None
     if done.returncode:
         message = next((line for line in reversed(log.read_text().splitlines()) if "ERROR" in line), "no message")
         raise InputError(f"yosys: {message.strip()}; see {log}")
