@@ -51,7 +51,7 @@ def test_scattered_holds_part_by_pose_and_not_by_time():
     assert parted.mean() < 0.5 * (1 - TEST_SHARE)  # by chance 75 %
 
 
-def test_holds_and_motion_of_one_log_have_blocks_of_their_own():
+def test_a_motion_in_a_corner_of_where_the_holds_are_is_divided():
     """A motion in a corner of where the holds are: as one cluster of poses it would be on one side, whole."""
     apart, near = holds(175, 3), motion(525)
     shrink = 0.05
@@ -64,9 +64,7 @@ def test_holds_and_motion_of_one_log_have_blocks_of_their_own():
     assert np.count_nonzero(is_motion[175:]) > 500
     assert not is_motion[:175].any()
     blocks = block_labels(data, 0)
-    assert not set(blocks[is_motion]) & set(blocks[~is_motion])
-    assert (np.diff(blocks[is_motion]) >= 0).all()
-    assert np.bincount(blocks[is_motion]).max() <= 30
+    assert np.bincount(blocks).max() <= len(blocks) / 8
     for seed in range(10):
         is_test = split(data, seed)
         assert 0.0 < is_test[is_motion].mean() < 0.5

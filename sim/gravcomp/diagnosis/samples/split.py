@@ -20,8 +20,8 @@ from gravcomp.logs.measurement import Measurement
 
 
 def block_labels(data: Measurement, seed: int) -> np.ndarray:
-    """Block of each sample, (n,): stretches of time where poses follow each other, else clusters of poses; in a log of
-    both, holds and motion have blocks of their own.
+    """Block of each sample, (n,): stretches of time where poses follow each other, else clusters of poses. A cluster of
+    more than an eighth of the samples is a motion in a corner of where the holds are: it is divided along time.
 
     Rows of one pose are in one block; where there are too few poses to hold any out, blocks are stretches of time.
     """
@@ -30,11 +30,10 @@ def block_labels(data: Measurement, seed: int) -> np.ndarray:
     is_repeated = len(poses) < REPEATED * n and data.is_motion.mean() < MOSTLY_HOLDS
     if (data.is_ordered and not is_repeated) or len(poses) < 2 * FEWEST_PLACES:
         return _stretches(n)
-    moving = data.is_motion & (data.is_motion.mean() >= MOSTLY_HOLDS)
-    labels = np.zeros(n, int)
-    labels[moving] = _stretches(np.count_nonzero(moving))
-    if not moving.all():
-        labels[~moving] = labels.max() + 1 + _clusters(data.poses[~moving], seed)
+    labels = _clusters(data.poses, seed)
+    for large in np.flatnonzero(np.bincount(labels) > n / BLOCKS[0]):
+        moving = (labels == large) & data.is_motion
+        labels[moving] = labels.max() + 1 + _stretches(np.count_nonzero(moving))
     return labels
 
 
