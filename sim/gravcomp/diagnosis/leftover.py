@@ -20,13 +20,13 @@ def find(data, after, rows, blocks, noise, seed: int) -> list[dict]:
     if unavailable(data, rows, blocks):
         return []
     rows = _used(data, rows)
-    names = variables(data)
+    names, parts = variables(data), folds(blocks[rows])
     x = np.column_stack([name.of(data)[rows] for name in names])
     out = []
     for axis in range(data.n_axes):
         y = np.clip(after[rows, axis], -4 * noise[axis], 4 * noise[axis])
         gains, importance = [], np.zeros(len(names))
-        for train, test in folds(blocks[rows]):
+        for train, test in parts:
             model = ExtraTreesRegressor(40, min_samples_leaf=10, random_state=seed).fit(x[train], y[train])
             gains.append(1.0 - np.mean((y[test] - model.predict(x[test])) ** 2) / np.var(y[test]))
             if gains[-1] <= 0:

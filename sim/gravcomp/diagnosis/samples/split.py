@@ -26,11 +26,13 @@ def block_labels(data: Measurement, seed: int) -> np.ndarray:
     Rows of one pose are in one block; where there are too few poses to hold any out, blocks are stretches of time.
     """
     n = len(data.t_s)
-    poses = np.unique(data.poses, axis=0)
+    poses, of, count = np.unique(data.poses, axis=0, return_inverse=True, return_counts=True)
     is_repeated = len(poses) < REPEATED * n and data.is_motion.mean() < MOSTLY_HOLDS
     if (data.is_ordered and not is_repeated) or len(poses) < 2 * FEWEST_PLACES:
         return _stretches(n)
-    labels = _clusters(data.poses, seed)
+    scale = np.where(np.ptp(poses, axis=0) > 0, np.ptp(poses, axis=0), 1.0)
+    n_clusters = min(int(np.clip(n // CLUSTER_ROWS, *BLOCKS)), len(poses) // 2)
+    labels = KMeans(n_clusters, n_init=1, random_state=seed).fit_predict(poses / scale, sample_weight=count)[of.ravel()]
     for large in np.flatnonzero(np.bincount(labels) > n / BLOCKS[0]):
         moving = (labels == large) & data.is_motion
         labels[moving] = labels.max() + 1 + _stretches(np.count_nonzero(moving))
@@ -39,15 +41,6 @@ def block_labels(data: Measurement, seed: int) -> np.ndarray:
 
 def _stretches(n: int) -> np.ndarray:
     return (np.arange(n) * int(np.clip(n // BLOCK_ROWS, *BLOCKS))) // max(n, 1)
-
-
-def _clusters(rows: np.ndarray, seed: int) -> np.ndarray:
-    """Cluster of each of some rows of positions (n, k)."""
-    poses, of, count = np.unique(rows, axis=0, return_inverse=True, return_counts=True)
-    scale = np.where(np.ptp(poses, axis=0) > 0, np.ptp(poses, axis=0), 1.0)
-    n_clusters = max(min(int(np.clip(len(rows) // CLUSTER_ROWS, *BLOCKS)), len(poses) // 2), 1)
-    own = KMeans(n_clusters, n_init=1, random_state=seed).fit_predict(poses / scale, sample_weight=count)
-    return own[of.ravel()]
 
 
 def folds(blocks: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -19,8 +19,7 @@ def confirmed(
     effects among themselves, as corrections may imitate any of them, then corrections beside the effects that stay.
     """
     terms = [*effects, *corrections]
-    parts = [test for _, test in folds(blocks[rows])]
-    if not terms or not parts:
+    if not terms or not (parts := [test for _, test in folds(blocks[rows])]):
         return effects, corrections
     weight = (~data.is_undecided[rows] & ~left_out) / np.maximum(noise, TINY)
     sizes = [len(term.labels) for term in terms]
